@@ -17,7 +17,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = r"""
-#include <hmf/hmf.h>
+#include <hmf/uses.h>
 #include <time.h>
 #include <cstdint>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // hmf solve: what it is asked for, and what comes out.
 #pragma once
 
-#include <hmf/hmf.h>
+#include <hmf/uses.h>
 
 #include <string>
 #include <vector>

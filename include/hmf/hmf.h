@@ -14,13 +14,14 @@
  * In five calls:
  *
  *     hmf_build          positions + triangles  -> hierarchy
- *     hmf_loops          hierarchy              -> loops, flat arrays
+ *     hmf_loops          hierarchy              -> loops, flat arrays; in hmf/uses.h, or your own
  *     hmf_solve          hierarchy, loops       -> foliation
  *     hmf_foliation_values                      -> one number per edge
  *     hmf_foliation_destroy, hmf_free, hmf_destroy
  *
- * What one does with a foliation (parameterise, trace leaves, cylinders,
- * quads, atlas) is in hmf/uses.h.
+ * This header is the core, the library hmf_core.  hmf/uses.h has the search for
+ * loops, and what one does with a foliation: parameterise, trace leaves,
+ * cylinders, quads, atlas.
  *
  * Rules that hold for every function here
  *
@@ -142,7 +143,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
-#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component; hmf_components divides it */
+#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component; hmf_components of uses.h divides it */
 #define HMF_ERROR_MESH_GENUS 311 /* genus 0 with too few marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 #define HMF_ERROR_MESH_NOT_DELAUNAY 313 /* the intrinsic Delaunay triangulation was not reached: triangles too thin, or
@@ -253,8 +254,8 @@ typedef struct hmf_control {
     void *parallel_user;
 } hmf_control;
 
-/* Frees a result that the library made (hmf_loops, hmf_singularities and the
-   calls of uses.h); NULL is allowed. */
+/* Frees a result that the library made (hmf_singularities and the calls of
+   uses.h); NULL is allowed. */
 HMF_API void hmf_free(const void *result);
 
 /* ------------------------------------------------------------------------
@@ -311,105 +312,6 @@ typedef struct hmf_foliation hmf_foliation;
 HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, const uint32_t *triangles,
                              size_t triangle_count, const hmf_build_options *options, const hmf_control *control,
                              hmf_hierarchy **out, hmf_error *error);
-
-/* One of the components of a mesh: its parts of the arrays of hmf_component_set.
-   first_* say where they begin. */
-typedef struct hmf_component {
-    hmf_status status;           /* what hmf_build says of it with the default options, mollify and the marked vertices:
-                                    HMF_OK, HMF_ERROR_MESH_GENUS if it carries no foliation, or its defect */
-    int32_t element;             /* HMF_ELEMENT_* that the defect is about */
-    uint64_t index;              /* of the element, in the whole mesh */
-    uint64_t genus;              /* this and the next: 0 where the status is a defect */
-    uint64_t boundary_count;
-    uint64_t first_vertex;
-    uint64_t vertex_count;
-    uint64_t first_edge;
-    uint64_t edge_count;
-    uint64_t first_triangle;
-    uint64_t triangle_count;
-    uint64_t first_mark;
-    uint64_t marked_count;
-} hmf_component;
-
-/* The components of a mesh, each with numbers of its own, in one block.  Arrays
-   named part_* and whole_* have one component after the other: a part, as
-   hmf_build takes it and numbers it on level 0, and its numbers in the whole mesh. */
-typedef struct hmf_component_set {
-    uint32_t struct_size;
-    uint32_t reserved;           /* 0 */
-    uint64_t count;
-    uint64_t vertex_count;       /* of the whole mesh, like the next two */
-    uint64_t edge_count;
-    uint64_t triangle_count;
-    uint64_t used_vertex_count;  /* vertices that have a triangle */
-    uint64_t marked_count;       /* marked vertices that have a triangle */
-    const hmf_component *list;   /* count, in the order of their first triangles */
-    const double *part_positions; /* used_vertex_count x 3 */
-    const uint32_t *part_triangles; /* triangle_count x 3 */
-    const uint32_t *part_marks;  /* marked_count */
-    const uint32_t *whole_vertices; /* used_vertex_count */
-    const uint32_t *whole_edges; /* edge_count */
-    const uint32_t *whole_triangles; /* triangle_count */
-    const uint32_t *vertex_component; /* vertex_count: component of each vertex; HMF_NONE: it has no triangle */
-    const uint32_t *vertex_part; /* vertex_count: its number there */
-    const uint32_t *triangle_component; /* triangle_count, likewise */
-    const uint32_t *triangle_part;
-} hmf_component_set;
-
-/*
- * Divides a mesh into its connected components (triangles that share a vertex are
- * in one), which are then built and solved one by one, each with its own loops:
- *
- *     for (k = 0; k < set->count; ++k) {
- *         const hmf_component *c = &set->list[k];
- *         if (c->status) continue;                        it carries no foliation: values 0
- *         options.marked_vertices = set->part_marks + c->first_mark;
- *         options.marked_count = c->marked_count;
- *         hmf_build(set->part_positions + 3 * c->first_vertex, c->vertex_count,
- *                   set->part_triangles + 3 * c->first_triangle, c->triangle_count, &options, ...);
- *         hmf_solve(...);
- *         for (e = 0; e < c->edge_count; ++e)
- *             values[set->whole_edges[c->first_edge + e]] = own_values[e];
- *     }
- *
- * Elements of a component keep the order that they have in the whole mesh.  Edges
- * are numbered as on level 0.  Each component is checked as hmf_build does; a
- * defect is its status, not an error of this call.  Vertices without a triangle
- * are in no component.
- *
- * Of the options, position_stride, mollify, the marked vertices (of the whole
- * mesh) and the memory count.  Free with hmf_free.
- * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100 and 200, or
- * HMF_ERROR_MESH_COUNTS, HMF_ERROR_MESH_INDEX.
- */
-HMF_API hmf_status hmf_components(const double *positions, size_t vertex_count, const uint32_t *triangles,
-                                  size_t triangle_count, const hmf_build_options *options,
-                                  const hmf_control *control, hmf_component_set **out, hmf_error *error);
-
-/* Vertices that hmf_suggest_marks proposes, in one block. */
-typedef struct hmf_mark_set {
-    uint32_t struct_size;
-    uint32_t reserved;           /* 0 */
-    uint64_t count;
-    const uint32_t *vertices;    /* count, at most 24 on each component */
-} hmf_mark_set;
-
-/*
- * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
- * each limb, so that loops go round the limbs, at least four and at most 24.
- * A disk gets its four corners, or four vertices that divide its boundary into
- * equal lengths, corners near these where there are; or, where that is short (its
- * square less than twice the area), tips as a sphere.
- * None where none are needed.  The same input gives the same marks.
- * Of several components each gets its own, but for those that hmf_build refuses
- * whatever is marked.
- *
- * Of the options, position_stride, mollify and the memory count.  Free with
- * hmf_free.  Errors: as hmf_build.
- */
-HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_count, const uint32_t *triangles,
-                                     size_t triangle_count, const hmf_build_options *options,
-                                     const hmf_control *control, hmf_mark_set **out, hmf_error *error);
 
 /* Gives a hierarchy back; NULL is allowed.  Its memory is freed with the last
    of its foliations. */
@@ -485,18 +387,6 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 #define HMF_LOOP_TRIANGLES 1     /* consecutive triangles share an edge; the last and the first as well */
 #define HMF_LOOP_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
 
-/* Which loops to make. */
-#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece; genus 0: round
-                                    pairs of marked vertices */
-#define HMF_LOOPS_HANDLE 2       /* a cut system whose loops bound inside the surface: they go round the handles */
-#define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
-#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
-                                    surface into pairs of pants */
-/* With boundary: CUT has genus many loops (genus 0 with marked vertices inside: round pairs of those, or of one and a
-   boundary) and one along each boundary (an annulus: one); a disk with fewer than two marked vertices inside has arcs
-   instead, each round two neighbouring marked vertices of the boundary.  PANTS has, together with the mirror images,
-   the most loops that the double can have.  There is no HANDLE and no TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
-
 /* A set of closed curves on a level, as flat arrays.  With boundary they lie on
    level 0; loops that can be pushed into the boundary make leaves run along it,
    arcs make them meet it at right angles.  An arc leads along edges from a vertex
@@ -517,45 +407,6 @@ typedef struct hmf_loop_set {
 } hmf_loop_set;
 
 /*
- * Loops made by the library on a level, as triangle loops: simple, disjoint,
- * essential, pairwise not freely homotopic, and short.  Candidates are found on
- * the coarsest level of a hierarchy with the default options that has 420 vertices
- * for each handle and 1000 in all, or 10 000 from ten handles on; of these the
- * classes with the shortest closed geodesics are chosen one after another,
- * measured on finer levels, of about 100 000 vertices at most, where they are close.
- * PANTS are shortened then, as long as one of them, or two that bound a piece
- * together, can be replaced by shorter ones.  A hierarchy with other options gets
- * the loops from there, for the time and the memory of another hmf_build.  So the
- * classes do not depend on ratio, collapse and coarsest.  Other triangles of the
- * same shape, or the same ones in another order, may have other classes where fine
- * detail is close to the size of the triangles of that level, and what is smaller
- * it cannot tell apart; or where other loops are as long: CUT and PANTS within 1 %
- * in total, on all meshes that were compared.
- * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
- * along z, from one end of the surface to the other.  Loop c is in the same class on
- * every level.  With boundary: level 0 only.
- *
- *   kind           HMF_LOOPS_*.  HANDLE and TUNNEL are decided by linking
- *                  numbers in space on level 0, exactly, with positions
- *                  rounded to 1e-10 of the size of the object: each loop is
- *                  null-homologous inside, or outside.  Inside is where
- *                  the surface encloses volume, whichever way the triangles
- *                  turn.  A surface that meets itself may have no such loops,
- *                  or only such as no search of bounded length finds:
- *                  HMF_ERROR_MESH_NOT_EMBEDDED.
- *   out            loops that can be given to hmf_solve as they are (weights
- *                  are NULL: all 1); free with hmf_free
- *
- * Deterministic.
- * Returns HMF_OK; HMF_ERROR_MESH_GENUS for HANDLE and TUNNEL on genus 0,
- * HMF_ERROR_MESH_BOUNDARY, HMF_ERROR_MESH_NOT_EMBEDDED; HMF_ERROR_UNSUPPORTED if
- * triangles of a coarse level share several edges and so do not name a loop; or an
- * error of classes 100, 200.
- */
-HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind, const hmf_control *control,
-                             hmf_loop_set **out, hmf_error *error);
-
-/*
  * Closed initial foliation of the loops on their level ([W] 3.3): the value of
  * an edge is the sum of the weights of the loops that cross it.
  *
@@ -573,59 +424,6 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  */
 HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                                   const hmf_control *control, hmf_foliation **out, hmf_error *error);
-
-/* ------------------------------------------------------------------------
- * Even design
- * --------------------------------------------------------------------- */
-
-typedef struct hmf_design_options {
-    uint32_t struct_size;
-    int32_t no_poles;            /* 1: no marked vertices but those of `build`, where that can be; else 0 */
-    const hmf_build_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, allocator, and
-                                    marked vertices, which are then part of every design */
-    uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1000 vertices, 3 ms each; a solve with n
-                                    loops counts 1 + n / 8.  Default 120, or edges / 400 where that is more: about ten
-                                    solves of the whole mesh, and again up to 150 where the
-                                    unevenness is above .28 then.  It is passed by a few */
-} hmf_design_options;
-
-/* Marked vertices, loops and weights that suit each other, in one block. */
-typedef struct hmf_design {
-    uint32_t struct_size;
-    uint32_t reserved;           /* 0 */
-    uint64_t marked_count;
-    const uint32_t *marked_vertices; /* marked_count, for hmf_build_options */
-    const hmf_loop_set *loops;   /* triangle loops of level 0 for hmf_solve on a hierarchy with these marked vertices.
-                                    Weights are whole numbers, so that patterns of period 1 match everywhere; 1 is
-                                    about 1/44 of the size.  Part of this block: not to be freed on its own */
-    double unevenness;           /* of the design on the coarse mesh of the search, see hmf_conformal_scale */
-    double unevenness_before;    /* there, of HMF_LOOPS_CUT with weights 1 (genus 0: with first marked vertices) */
-    uint64_t solves;             /* of the search; derivatives are counted as well */
-} hmf_design;
-
-/*
- * Marked vertices, loops and weights for a mesh of any genus, such that the
- * conformal scale of the harmonic foliation is as even as a search in the given
- * time gets it: stripes and quads are then about equally wide everywhere.
- *
- * At the tip of a limb that no loop goes round the scale decays; there the design
- * marks one vertex or two.  The loops are pants loops (HMF_LOOPS_PANTS) of the
- * surface with its marked vertices, without those whose weight would be 0.
- * With boundary marked vertices are those of `build` or of hmf_suggest_marks; if
- * there are none, none and a pair at the tip of each limb are compared. The
- * weights alone are searched; solve_limit then bounds the rounds.
- *
- *     hmf_even_design       -> design
- *     hmf_build             with design->marked_vertices
- *     hmf_solve             with design->loops
- *
- * Deterministic: the search counts solves, not time.
- * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found,
- * or an error as hmf_build.  Free with hmf_free.
- */
-HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count, const uint32_t *triangles,
-                                   size_t triangle_count, const hmf_design_options *options,
-                                   const hmf_control *control, hmf_design **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
  * Foliation
@@ -792,14 +590,6 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
                              hmf_error *error);
 
 /*
- * hmf_solve with the loops that hmf_loops makes (HMF_LOOPS_CUT) on the coarsest
- * level, with boundary and for HMF_METHOD_SINGLE_LEVEL on level 0; weights 1.
- * options->start must be NULL.  Returns what hmf_loops and hmf_solve return.
- */
-HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hmf_solve_options *options,
-                                        const hmf_control *control, hmf_foliation **out, hmf_error *error);
-
-/*
  * Optimises a foliation on its level; otherwise as hmf_solve.  The class is that
  * of the foliation: Newton steps are certified against it, and moves of single
  * vertices, the other methods, cannot leave it.  If the foliation has a report,
@@ -837,16 +627,6 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
    Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
-
-/* log_scale: triangle_count of the level, natural logarithm of |grad u| on each
-   triangle, |du| being the foliation: by how much a conformal (u, v) stretches
-   there, in the unit of the values / the unit of the positions.  Not less than
-   the largest - 16.1.  unevenness: its standard deviation over the surface, 0 if
-   the scale is the same everywhere.  Either may be NULL, not both.  Measured on the
-   values of the level and its positions; any foliation will do.  Returns HMF_OK, or
-   an error of classes 100, 200. */
-HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, double *log_scale,
-                                       size_t capacity, double *unevenness, hmf_error *error);
 
 #define HMF_SINGULAR_VERTEX 1
 #define HMF_SINGULAR_TRIANGLE 2

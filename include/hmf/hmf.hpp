@@ -30,7 +30,7 @@
 #ifndef HMF_HMF_HPP
 #define HMF_HMF_HPP
 
-#include <hmf/hmf.h>
+#include <hmf/uses.h>
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "read_loop_set.hpp"
 
 #include "../hierarchy/caller_numbers.hpp"
-#include "../loops/double_loops.hpp"
+#include "../curves/double_loops.hpp"
 #include "read_values.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // The caller's loops, checked, as crossings with integer weights.
 #pragma once
 
-#include "../loops/library_loops.hpp"
+#include "../curves/loops.hpp"
 #include "foliation_object.hpp"
 
 namespace hmf {

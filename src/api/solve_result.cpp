@@ -52,7 +52,7 @@ hmf_status describe(hmf_status status, size_t level, const hmf_report& report, c
 }
 
 // Energy and residuals of the report, where the method has not left them.
-hmf_status measure(State& state, Recorder& recorder, Call& call) {
+hmf_status measure_energy(State& state, Recorder& recorder, Call& call) {
     const Level& level = state.hierarchy->levels[state.level];
     Certificate certificate = recorder.certificate;
     if (!certificate.known) {
@@ -89,7 +89,7 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     hmf_report& report = recorder.report;
     report.struct_size = sizeof report;
     report.method = options.method;
-    if (measure(state, recorder, call)) return call.status();
+    if (measure_energy(state, recorder, call)) return call.status();
     const double enough = options.method == HMF_METHOD_NEWTON ? options.tolerance
                         : options.residual_tolerance > 0      ? options.residual_tolerance
                                                               : 1e-8;

@@ -21,7 +21,7 @@ GridCorners corners_of(const Mesh& mesh, const GridLayout& layout, uint32_t h) {
     return {{layout.x[h], layout.x[n], layout.x[p]}, {layout.y[h], layout.y[n], layout.y[p]}};
 }
 
-int64_t turn(const GridCorners& a, int i, int64_t x, int64_t y) {
+int64_t grid_turn(const GridCorners& a, int i, int64_t x, int64_t y) {
     const int j = (i + 1) % 3;
     return (a.x[j] - a.x[i]) * (y - a.y[i]) - (a.y[j] - a.y[i]) * (x - a.x[i]);
 }
@@ -30,7 +30,7 @@ int64_t turn(const GridCorners& a, int i, int64_t x, int64_t y) {
 bool is_apart(const GridCorners& a, const GridCorners& b) {
     for (int i = 0; i < 3; ++i) {
         bool apart = true;
-        for (int k = 0; k < 3 && apart; ++k) apart = turn(a, i, b.x[k], b.y[k]) <= 0;
+        for (int k = 0; k < 3 && apart; ++k) apart = grid_turn(a, i, b.x[k], b.y[k]) <= 0;
         if (apart) return true;
     }
     return false;
@@ -144,7 +144,7 @@ private:
 
 int64_t grid_area(const Mesh& mesh, const GridLayout& layout, uint32_t h) {
     const GridCorners c = corners_of(mesh, layout, h);
-    return turn(c, 0, c.x[2], c.y[2]);
+    return grid_turn(c, 0, c.x[2], c.y[2]);
 }
 
 bool is_joined(const Mesh& mesh, const GridLayout& layout, uint32_t e) {
@@ -201,7 +201,7 @@ Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayo
         if (layout.chart[t] == NONE) return false;
         const GridCorners c = corners_of(mesh, layout, side[t]);
         return std::max(c.high(false) - c.low(false), c.high(true) - c.low(true)) >= speck
-            && turn(c, 0, c.x[2], c.y[2]) != 0;
+            && grid_turn(c, 0, c.x[2], c.y[2]) != 0;
     };
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         if (!is_seen(t)) continue;
@@ -250,11 +250,11 @@ bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>
         if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
         const GridCorners there{{x0, layout.x[g], x0 + static_cast<int64_t>(px)},
                                 {y0, layout.y[g], y0 + static_cast<int64_t>(py)}};
-        bool free = turn(there, 0, there.x[2], there.y[2]) > 0;
+        bool free = grid_turn(there, 0, there.x[2], there.y[2]) > 0;
         for (uint32_t t = 0; t < mesh.face_count && free; ++t) {
             if (t == face || bad[t] || layout.chart[t] != layout.chart[beyond]) continue;
             const GridCorners c = corners_of(mesh, layout, side[t]);
-            free = turn(c, 0, c.x[2], c.y[2]) <= 0 || is_apart(there, c) || is_apart(c, there);
+            free = grid_turn(c, 0, c.x[2], c.y[2]) <= 0 || is_apart(there, c) || is_apart(c, there);
         }
         if (!free) continue;
         layout.chart[face] = layout.chart[beyond];

@@ -1,6 +1,6 @@
 #include "cylinder_measures.hpp"
 
-#include "../leaves/curve_classes.hpp"
+#include "curve_classes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "../../include/hmf/uses.h"
-#include "../loops/loops.hpp"
+#include "../curves/loops.hpp"
 #include "../leaves/cylinders.hpp"
 #include "../solve/state.hpp"
 

@@ -15,7 +15,7 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "../loops/loops.hpp"
+#include "../curves/loops.hpp"
 
 namespace hmf {
 

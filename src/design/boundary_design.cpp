@@ -1,7 +1,7 @@
 #include "boundary_design.hpp"
 
-#include "../hierarchy/suggest_marks.hpp"
-#include "../loops/double_loops.hpp"
+#include "suggest_marks.hpp"
+#include "../curves/double_loops.hpp"
 #include "weight_search.hpp"
 
 namespace hmf {
@@ -29,8 +29,8 @@ struct SurfaceClass {
 };
 
 // Those with a weight.
-Done keep_loops(const FoundLoops& found, const Array<double>& weights, Memory& memory, Array<double>& kept,
-                FoundLoops& loops) {
+Done keep_boundary_loops(const FoundLoops& found, const Array<double>& weights, Memory& memory, Array<double>& kept,
+                         FoundLoops& loops) {
     loops.offsets.start(memory);
     loops.triangles.start(memory);
     loops.arcs.start(memory);
@@ -73,7 +73,7 @@ hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const 
         || (out.unevenness < HUGE_VAL && search.keep_all_if_bare(pants.of_double(), weights, out.unevenness, bare)))
         return call.status();
     out.solves = search.solves;
-    return keep_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
+    return keep_boundary_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
 }
 
 // Are poles at the ends of limbs, of the surface or of a flat piece, better?  inside: those off the boundary alone, for

@@ -9,7 +9,7 @@
 // vertices get the lowest numbers of a copy.
 #include "even_design.hpp"
 
-#include "../hierarchy/suggest_marks.hpp"
+#include "suggest_marks.hpp"
 #include "../loops/carry_loops.hpp"
 #include "../loops/library_loops.hpp"
 

@@ -1,7 +1,8 @@
 // The search of the even design: which vertices to mark, and the weights.
 #pragma once
 
-#include "../mesh/edge_distances.hpp"
+#include "../../include/hmf/uses.h"
+#include "edge_distances.hpp"
 #include "marked_trial.hpp"
 
 namespace hmf {

@@ -4,7 +4,7 @@
 
 #include "../leaves/cylinders.hpp"
 #include "../loops/dual_length.hpp"
-#include "../loops/loops.hpp"
+#include "../curves/loops.hpp"
 #include "../solve/solve.hpp"
 #include "conformal_scale.hpp"
 #include "whole_weights.hpp"

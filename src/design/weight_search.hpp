@@ -2,7 +2,7 @@
 // harmonic foliation is as even as it gets.  Searched on its double.
 #pragma once
 
-#include "../loops/loops.hpp"
+#include "../curves/loops.hpp"
 #include "../solve/solve.hpp"
 #include "conformal_scale.hpp"
 

@@ -172,4 +172,9 @@ Done undo_collapses(const hmf_hierarchy& h, const Level& level, Call& call, doub
 // Upper bound of the peak memory of build_hierarchy.
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options);
 
+// The mesh on which loops of a level are given: level 0 is the caller's.
+inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) {
+    return level == 0 ? h.input : h.levels[level].mesh;
+}
+
 } // namespace hmf

@@ -56,7 +56,7 @@ void cross(const double* u, const double* v, double* n) {
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-double dot(const double* u, const double* v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
+double dot_product(const double* u, const double* v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
 // Does a triangle of v with two consecutive neighbours turn by more than about
 // 80 degrees if v moves to p?  others: a bit for each of the neighbours but the
@@ -99,7 +99,7 @@ double value(const Quadric& q, const double* x) {
     const double* a = q.a;
     const double ax = a[0] * x[0] + a[1] * x[1] + a[2] * x[2], ay = a[1] * x[0] + a[3] * x[1] + a[4] * x[2];
     const double az = a[2] * x[0] + a[4] * x[1] + a[5] * x[2];
-    const double sum = x[0] * ax + x[1] * ay + x[2] * az - 2 * dot(q.b, x) + q.c;
+    const double sum = x[0] * ax + x[1] * ay + x[2] * az - 2 * dot_product(q.b, x) + q.c;
     return sum > 0 ? sum : 0;
 }
 
@@ -111,7 +111,7 @@ bool minimum(const Quadric& q, double* x) {
     cross(r1, r2, c0);
     cross(r2, r0, c1);
     cross(r0, r1, c2);
-    const double determinant = dot(r0, c0), trace = a[0] + a[3] + a[5];
+    const double determinant = dot_product(r0, c0), trace = a[0] + a[3] + a[5];
     if (!(determinant > 1e-12 * trace * trace * trace)) return false;
     for (int n = 0; n < 3; ++n) x[n] = (q.b[0] * c0[n] + q.b[1] * c1[n] + q.b[2] * c2[n]) / determinant;
     return true;
@@ -301,9 +301,9 @@ void initial_quadrics(WorkMesh& work) {
             v[c] = b[c] - corner[c];
         }
         cross(u, v, n);
-        const double square = dot(n, n), size = std::sqrt(square);
+        const double square = dot_product(n, n), size = std::sqrt(square);
         if (!(size > 0)) continue;
-        const double w = size / 6, d = dot(n, p) / size;
+        const double w = size / 6, d = dot_product(n, p) / size;
         for (int c = 0; c < 3; ++c) n[c] /= size;
         // A little of the distance to the vertex itself: a minimum exists on
         // flat parts too, and short edges go first there.
@@ -311,7 +311,7 @@ void initial_quadrics(WorkMesh& work) {
         const Quadric q = {{w * n[0] * n[0] + own, w * n[0] * n[1], w * n[0] * n[2], w * n[1] * n[1] + own,
                             w * n[1] * n[2], w * n[2] * n[2] + own},
                            {w * d * n[0] + own * p[0], w * d * n[1] + own * p[1], w * d * n[2] + own * p[2]},
-                           w * d * d + own * dot(p, p)};
+                           w * d * d + own * dot_product(p, p)};
         add(work.quadrics[mesh.origin[h]], q);
     }
 }

@@ -1,8 +1,6 @@
 // Cylinders against loops; see class_certificate.hpp.
 #include "class_certificate.hpp"
 
-#include "curve_classes.hpp"
-
 #include <algorithm>
 
 namespace hmf {
@@ -23,6 +21,12 @@ bool has_all_zeros(const CriticalGraph& graph, int64_t whole) {
 }
 
 } // namespace
+
+Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
+                  CurveNames& names) {
+    const Boundary& b = graph.boundaries[boundary];
+    return names.add(mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; });
+}
 
 hmf_status ClassReference::take(Foliation& f, const CurveWords& words, Call& call) {
     Call quiet(&call);

@@ -20,7 +20,7 @@
 #pragma once
 
 #include "../homotopy/curve_names.hpp"
-#include "../loops/loops.hpp"
+#include "../curves/loops.hpp"
 #include "cylinders.hpp"
 
 namespace hmf {
@@ -46,6 +46,10 @@ struct ClassResult {
     double found = 0;       // and what it is; 0: there is no cylinder round this loop
     uint64_t crossings = 0; // of all the boundary leaves
 };
+
+// Names a boundary leaf.
+Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
+                  CurveNames& names);
 
 class ClassReference {
 public:

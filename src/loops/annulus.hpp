@@ -22,7 +22,7 @@
 
 #include "../base/nearest_first.hpp"
 #include "dual_length.hpp"
-#include "multicurve.hpp"
+#include "../curves/multicurve.hpp"
 
 namespace hmf {
 

@@ -16,7 +16,7 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "multicurve.hpp"
+#include "../curves/multicurve.hpp"
 
 namespace hmf {
 

@@ -1,7 +1,7 @@
 #include "class_lengths.hpp"
 
 #include "carry_loops.hpp"
-#include "disjoint.hpp"
+#include "../curves/disjoint.hpp"
 #include "library_loops.hpp"
 
 #include <algorithm>

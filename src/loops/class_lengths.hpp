@@ -24,8 +24,8 @@
 #include "../homotopy/curve_words.hpp"
 #include "closed_geodesic.hpp"
 #include "dual_length.hpp"
-#include "loops.hpp"
-#include "multicurve.hpp"
+#include "find_loops.hpp"
+#include "../curves/multicurve.hpp"
 
 namespace hmf {
 

@@ -23,7 +23,7 @@
 //         \/  \/  \/  \          old strip
 #pragma once
 
-#include "loops.hpp"
+#include "../curves/loops.hpp"
 
 #include <cmath>
 

@@ -21,7 +21,7 @@
 //  6. Once the system is complete, likewise what came close in batches of one loop: from the first choice
 //     that was wrong on it is made again.
 #include "class_lengths.hpp"
-#include "disjoint.hpp"
+#include "../curves/disjoint.hpp"
 #include "dual_length.hpp"
 #include "../base/heap_sort.hpp"
 #include "loop_search.hpp"

@@ -14,7 +14,7 @@
 
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
-#include "disjoint.hpp"
+#include "../curves/disjoint.hpp"
 #include "dual_length.hpp"
 #include "hole_joins.hpp"
 #include "loop_search.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "loops.hpp"
+#include "../curves/loops.hpp"
 
 namespace hmf {
 

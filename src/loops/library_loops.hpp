@@ -2,14 +2,9 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "loops.hpp"
+#include "find_loops.hpp"
 
 namespace hmf {
-
-// The mesh on which loops of a level are given: level 0 is the caller's.
-inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) {
-    return level == 0 ? h.input : h.levels[level].mesh;
-}
 
 // Where loops are searched for: the coarsest level with 1000 vertices and 420 for each handle, or with 10 000 from ten
 // handles on; not level 0, whose triangles may be of any shape, unless there is no other with 1000.

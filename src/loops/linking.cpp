@@ -18,7 +18,7 @@
 // with itself pushed off is that with its parallel on its left.
 #include "linking.hpp"
 
-#include "disjoint.hpp"
+#include "../curves/disjoint.hpp"
 #include "../base/cyclic.hpp"
 #include "../base/heap_sort.hpp"
 
@@ -77,7 +77,7 @@ LinkingPoint operator-(const LinkingPoint& a, const LinkingPoint& b) { return {a
 double absolute(double x) { return x < 0 ? -x : x; }
 
 // Sign of the plane determinant of u and v.
-int turn(const LinkingPoint& u, const LinkingPoint& v) {
+int sign_of_turn(const LinkingPoint& u, const LinkingPoint& v) {
     const double p = static_cast<double>(u.x) * static_cast<double>(v.y),
                  q = static_cast<double>(u.y) * static_cast<double>(v.x);
     const double d = p - q, bound = 0x1p-50 * (absolute(p) + absolute(q));
@@ -262,7 +262,7 @@ private:
                  p[2]};
             k = mesh_.next[k];
         }
-        return turn(corner[1] - corner[0], corner[2] - corner[0]);
+        return sign_of_turn(corner[1] - corner[0], corner[2] - corner[0]);
     }
 
     // Adds what the crossings of the segments say; tables are g x g, first loop
@@ -292,9 +292,9 @@ private:
                     || std::max(a.from.y, a.to.y) < std::min(b.from.y, b.to.y))
                     continue;
                 const LinkingPoint u = a.to - a.from, v = b.to - b.from;
-                const int o1 = turn(u, b.from - a.from), o2 = turn(u, b.to - a.from);
+                const int o1 = sign_of_turn(u, b.from - a.from), o2 = sign_of_turn(u, b.to - a.from);
                 if (o1 * o2 > 0) continue;
-                const int o3 = turn(v, a.from - b.from), o4 = turn(v, a.to - b.from);
+                const int o3 = sign_of_turn(v, a.from - b.from), o4 = sign_of_turn(v, a.to - b.from);
                 if (o3 * o4 > 0) continue;
                 if (o1 * o2 * o3 * o4 == 0) return true;
                 const size_t at = g * a.loop + b.loop;

@@ -11,7 +11,7 @@
 // 2013, use the same fact).
 #pragma once
 
-#include "loops.hpp"
+#include "../curves/loops.hpp"
 
 namespace hmf {
 

@@ -18,6 +18,7 @@
 #pragma once
 
 #include "../base/nearest_first.hpp"
+#include "find_loops.hpp"
 #include "signatures.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "../base/heap_sort.hpp"
 #include "../base/nearest_first.hpp"
-#include "cut_surface.hpp"
-#include "disjoint.hpp"
+#include "../curves/cut_surface.hpp"
+#include "../curves/disjoint.hpp"
 #include "dual_length.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
-#include "disjoint.hpp"
+#include "../curves/disjoint.hpp"
 
 #include <algorithm>
 

@@ -13,7 +13,7 @@
 // only these: a search in it costs as much as the component is large.
 #pragma once
 
-#include "cut_surface.hpp"
+#include "../curves/cut_surface.hpp"
 
 namespace hmf {
 

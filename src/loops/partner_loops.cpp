@@ -3,8 +3,9 @@
 // nor a_j+1 .. a_g.  It is a path in the surface cut along all of these and
 // a_j, from one side of a_j to the other, and exists as they do not separate.
 // So <a_i, b_j> is 0 for i > j and 1 or -1 for i = j.
-#include "cut_surface.hpp"
-#include "disjoint.hpp"
+#include "../curves/cut_surface.hpp"
+#include "../curves/disjoint.hpp"
+#include "find_loops.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,9 @@
 // gets in a strip round it that the others do not enter (annulus.hpp).
 #include "../base/cyclic.hpp"
 #include "annulus.hpp"
-#include "disjoint.hpp"
+
+#include "../curves/disjoint.hpp"
+#include "find_loops.hpp"
 
 #include <algorithm>
 

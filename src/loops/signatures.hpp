@@ -12,7 +12,7 @@
 // the regions meet on the far side of a handle.
 #pragma once
 
-#include "cut_surface.hpp"
+#include "../curves/cut_surface.hpp"
 
 namespace hmf {
 

@@ -16,7 +16,7 @@
 #include "surface_loops.hpp"
 
 #include "../hierarchy/caller_numbers.hpp"
-#include "double_loops.hpp"
+#include "../curves/double_loops.hpp"
 #include "library_loops.hpp"
 
 namespace hmf {

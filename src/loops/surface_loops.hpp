@@ -2,6 +2,7 @@
 // of triangles of the caller.
 #pragma once
 
+#include "../../include/hmf/uses.h"
 #include "../hierarchy/hierarchy.hpp"
 
 namespace hmf {

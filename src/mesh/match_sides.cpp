@@ -25,7 +25,7 @@ namespace hmf {
 namespace {
 
 // A side is a place in OrderedTriangles::words: 4 * face + corner.
-uint32_t side_after(uint32_t side) { return side % 4 == 2 ? side - 2 : side + 1; }
+uint32_t side_after_in_face(uint32_t side) { return side % 4 == 2 ? side - 2 : side + 1; }
 
 // Sides with the same lower vertex and the same key belong together.  In a double
 // the two vertices are not enough: they may have one edge in front and one behind.
@@ -172,7 +172,7 @@ private:
     };
     Corners corners(uint32_t face, uint32_t low) const {
         const uint32_t place = 4 * face, s = (words_[place + 1] == low) + 2 * (words_[place + 2] == low);
-        const uint32_t first = place + s, third = side_after(first), last = side_after(third);
+        const uint32_t first = place + s, third = side_after_in_face(first), last = side_after_in_face(third);
         return {low, words_[third], words_[last], first, third, last};
     }
     uint32_t first_vertex(uint32_t k) const { return k << shift_; }
@@ -231,7 +231,7 @@ private:
                 if (!is_in(v, k)) ++degree_[v];
             }
             if (side % 4 == 3) continue;
-            const uint32_t v = words_[side], w = words_[side_after(side)], low = std::min(v, w);
+            const uint32_t v = words_[side], w = words_[side_after_in_face(side)], low = std::min(v, w);
             wait(side, low, std::max(v, w));
             ++blocks_[low >> shift_].sides;
         }

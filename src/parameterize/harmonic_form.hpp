@@ -2,7 +2,7 @@
 // nearest to a given one, among all with the same periods.
 #pragma once
 
-#include "../solve/signed_multigrid.hpp"
+#include "../linear/signed_multigrid.hpp"
 #include "twisted_form.hpp"
 
 namespace hmf {

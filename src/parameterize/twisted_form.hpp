@@ -15,7 +15,7 @@
 
 #include "../foliation/foliation.hpp"
 #include "../hierarchy/hierarchy.hpp"
-#include "../mesh/stars.hpp"
+#include "stars.hpp"
 
 namespace hmf {
 

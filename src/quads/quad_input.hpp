@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../leaves/cylinders.hpp"
-#include "../leaves/front_parts.hpp"
+#include "../lines/front_parts.hpp"
 #include "quad_rulers.hpp"
 
 namespace hmf {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../leaves/cylinders.hpp"
-#include "../leaves/front_parts.hpp"
+#include "../lines/front_parts.hpp"
 #include "quad_sizes.hpp"
 
 namespace hmf {

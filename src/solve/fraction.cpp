@@ -55,8 +55,8 @@ double floor_of(const Foliation& f, const double* weight, const Call& call) {
 }
 
 // model: of f, with its matrix.
-Done measure(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model, const double* part,
-             Star& star, double* residual, Call& call, ResidualResult& found) {
+Done measure_with_part(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model,
+                       const double* part, Star& star, double* residual, Call& call, ResidualResult& found) {
     const double floor = floor_of(f, weight, call);
     found = {};
     double sum = 0;
@@ -303,7 +303,7 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
     FreeZeros zeros(f, work.rings, weight, model, work.star);
     Region region(f, work.rings, model);
     if (!zeros.allocate(memory) || !region.allocate(memory)) return call.out_of_memory();
-    if (!measure(f, work.rings, weight, model, part.data(), work.star, residual.data(), call, found))
+    if (!measure_with_part(f, work.rings, weight, model, part.data(), work.star, residual.data(), call, found))
         return call.stopped();
     const double floor = floor_of(f, weight, call);
     for (const uint32_t v : model.resting)
@@ -339,7 +339,7 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
             for (const uint32_t v : zeros.list) model.rests[v] = part[v] == 0;
             bool keeps = false;
             if (!keeps_class(f, work.rings, model, part.data(), memory, keeps)) return call.out_of_memory();
-            if (keeps && !measure(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
+            if (keeps && !measure_with_part(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
                 return call.stopped();
             if (found.max <= goal) return HMF_OK;
         }
@@ -358,7 +358,7 @@ hmf_status residuals_with_fractions(Foliation& f, const Rings& rings, const doub
     for (const uint32_t v : model.resting)
         if (part[v] != 0) zeros.add(v, floor);
     model.assemble(f, rings, weight, call);
-    return measure(f, rings, weight, model, part, star, residual, call, found) ? HMF_OK : call.stopped();
+    return measure_with_part(f, rings, weight, model, part, star, residual, call, found) ? HMF_OK : call.stopped();
 }
 
 } // namespace hmf

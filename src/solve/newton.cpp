@@ -19,7 +19,7 @@
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
 #include "newton_plan.hpp"
 #include "part_system.hpp"
-#include "signed_multigrid.hpp"
+#include "../linear/signed_multigrid.hpp"
 #include "whole_step.hpp"
 
 #include <algorithm>

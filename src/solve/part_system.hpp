@@ -2,7 +2,7 @@
 // found at a part of the cost of a whole solve.  And the equations of all, where the multigrid of the level fails.
 #pragma once
 
-#include "sparse_factor.hpp"
+#include "../linear/sparse_factor.hpp"
 #include "twisted_model.hpp"
 
 namespace hmf {

@@ -23,7 +23,7 @@
 #pragma once
 
 #include "../foliation/whitehead.hpp"
-#include "signed_multigrid.hpp"
+#include "../linear/signed_multigrid.hpp"
 
 namespace hmf {
 

@@ -1,5 +1,5 @@
 // Quads over poles: a tube of quads whose ends are folded flat, and how many quads there are.
-#include "src/api/use_entry.hpp"
+#include "src/api_applications/use_entry.hpp"
 #include "src/quads/graph_points.hpp"
 #include "src/quads/grid_sizes.hpp"
 #include "src/quads/quad_input.hpp"

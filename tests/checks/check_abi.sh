@@ -133,7 +133,7 @@ changed parameter-narrower breaks hmf.h 's/^HMF_API size_t hmf_level_count/HMF_A
 changed field-in-the-middle breaks hmf.h 's/^    double time_limit;/    double another;\n&/'
 changed fields-exchanged breaks hmf.h 's/^    uint64_t vertices;/    uint64_t EDGES;/; s/^    uint64_t edges;/    uint64_t vertices;/; s/EDGES/edges/'
 changed field-type breaks hmf.h 's/^    uint64_t stop_level;/    int64_t stop_level;/'
-changed field-removed breaks hmf.h '/^    double unevenness_before;/d'
+changed field-removed breaks uses.h '/^    double unevenness_before;/d'
 changed element-grows breaks hmf.h 's/^} hmf_level_info;/    double another;\n&/'
 changed constant-value breaks hmf.h 's/^#define HMF_ERROR_MESH_GENUS 311/#define HMF_ERROR_MESH_GENUS 313/'
 changed constant-removed breaks hmf.h '/^#define HMF_COLLAPSE_ENDPOINT/d'

@@ -40,7 +40,7 @@ install_and_move() { # ON or OFF, target folder
 
 use_find_package() { # prefix, build folder
     cmake -S "$root/tests/checks/consumers/find_package" -B "$2" -DCMAKE_PREFIX_PATH="$1" -DCMAKE_BUILD_TYPE=Release &&
-        cmake --build "$2" && "$2/consumer"
+        cmake --build "$2" && "$2/consumer" && "$2/core"
 }
 
 use_add_subdirectory() { # ON or OFF, build folder

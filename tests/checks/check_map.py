@@ -1,10 +1,15 @@
 #!/usr/bin/env python3
 """The map of the source against the source.
 
-    tests/checks/check_map.py
+    tests/checks/check_map.py [BUILD_FOLDER]
 
-- The table of folders in src/README.md names each folder of src, and beside it the folders that it
+- The tables of folders in src/README.md name each folder of src, and beside it the folders that it
   depends on: those that its files include, without those that follow.  There is no circle.
+- No folder has more lines than its budget in these tables.
+- The folders of the core (CMakeLists.txt) include no file of the applications, and not their header.
+  With a build folder: the core library needs no symbol that only the applications have.
+- A name in an anonymous namespace is that of one file, and hides no name of namespace hmf, so that all
+  files can be compiled as one.
 - Each file that a page names in backquotes is there, and so is each place that a link leads to.
 - Each file of src begins with what it does, or belongs to a header that does.
 
@@ -12,6 +17,7 @@ Prints a line "ok" or "not ok" for each check, as all check_* do.
 """
 import pathlib
 import re
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -41,6 +47,16 @@ def includes():
     return found
 
 
+def table():
+    """folder, what it depends on, its budget of lines"""
+    return re.findall(r"^\| `(\w+)` \|([^|]*)\|\s*(\d+)\s*\|", MAP.read_text(), re.M)
+
+
+def folders(name):
+    """A list of folders in CMakeLists.txt."""
+    return re.search(rf"set\({name}([^)]*)\)", (ROOT / "CMakeLists.txt").read_text()).group(1).split()
+
+
 def reachable(graph, start):
     seen, rest = set(), [start]
     while rest:
@@ -53,7 +69,7 @@ def reachable(graph, start):
 
 def folder_problems():
     graph = includes()
-    rows = dict(re.findall(r"^\| `(\w+)` \|([^|]*)\|", MAP.read_text(), re.M))
+    rows = {name: uses for name, uses, _ in table()}
     for folder in sorted(set(graph) ^ set(rows)):
         yield f"{folder} is in the {'tree' if folder in graph else 'table'} only"
     for folder, uses in sorted(graph.items()):
@@ -64,6 +80,83 @@ def folder_problems():
         named = set(re.findall(r"\w+", rows.get(folder, "")))
         if folder in rows and named not in (direct, {"all"}):
             yield f"{folder} depends on {', '.join(sorted(direct))}; the table says {', '.join(sorted(named))}"
+
+
+def budget_problems():
+    for folder, _, budget in table():
+        lines = sum(len(path.read_text().splitlines()) for path in (SRC / folder).glob("*.[ch]pp"))
+        if lines > int(budget):
+            yield f"{folder} has {lines} lines; its budget in src/README.md is {budget}"
+
+
+def layer_problems():
+    core, applications = folders("hmf_core_folders"), folders("hmf_application_folders")
+    for folder in sorted({path.parent.name for path in SRC.glob("*/*.cpp")} ^ {*core, *applications}):
+        yield f"{folder} is in the tree or in CMakeLists.txt only"
+    for path in (path for folder in core for path in sorted((SRC / folder).glob("*.[ch]pp"))):
+        for name in re.findall(r'#include "([^"]+)"', path.read_text()):
+            to = (path.parent / name).resolve()
+            if to.parent.name in applications or to.name == "uses.h":
+                yield f"{path.relative_to(ROOT)} includes {to.relative_to(ROOT)}"
+
+
+def link_closure_problems(build):
+    def symbols(library):
+        lines = subprocess.run(["nm", build / library], check=True, text=True, capture_output=True).stdout.splitlines()
+        pairs = [line.split()[-2:] for line in lines if re.search(r" [A-Za-z] \S+$", line)]
+        return {name for kind, name in pairs if kind != "U"}, {name for kind, name in pairs if kind == "U"}
+
+    core, needed = symbols("libhmf_core.a")
+    for name in sorted(needed - core & symbols("libhmf.a")[0]):
+        yield f"the core needs {name}"
+
+
+def declared_names(path):
+    """The names that a file declares in anonymous namespaces, and outside of them."""
+    text = re.sub(r'//.*|"(\\.|[^"\\])*"|^\s*#(.*\\\n)*.*$|\[\[\w+\]\]', "", path.read_text(), flags=re.M)
+    found, scopes, declaration, braces, parentheses = (set(), set()), [], "", 0, 0
+    for c in text:
+        at_end = c in "{};" and braces == 0 and parentheses == 0
+        if at_end and c == "{" and re.match(r"\s*(namespace\b|extern\s*$)", declaration):
+            scopes.append(re.fullmatch(r"\s*namespace\s*", declaration) is not None)
+        elif at_end and c == "}" and scopes:
+            scopes.pop()
+        elif at_end:
+            found[0 if any(scopes) else 1].update(names_declared_by(" ".join(declaration.split())))
+            braces = c == "{"
+        elif braces:
+            braces += {"{": 1, "}": -1}.get(c, 0)
+        else:
+            parentheses += {"(": 1, ")": -1}.get(c, 0)
+            declaration += c
+            continue
+        declaration = ""
+    return found
+
+
+def names_declared_by(text):
+    text = re.sub(r"^template ?<.*?> (?=\w)", "", text)
+    for pattern in (r"(?:struct|class|enum class|enum) (?:HMF_\w+ )?(\w+)(?: final)?(?: :.*)?$", r"using (\w+) =",
+                    r"(?!using\b)[^(=]*?[\w>&*] ?(?<!operator)[ &*](\w+)(?: ?\(| ?\[| ?=| ?$)"):
+        match = re.match(pattern, text)
+        if match:
+            constants = re.findall(r", (\w+) =", text) if text[match.end() - 1] == "=" else []
+            return [match.group(1), *constants]
+    return []
+
+
+def unity_problems():
+    local, shared = {}, {}
+    for path in sorted(SRC.glob("*/*.[ch]pp")):
+        if path.parent.name == "quads":
+            continue
+        for names, into in zip(declared_names(path), (local, shared)):
+            for name in names:
+                into.setdefault(name, []).append(path.relative_to(SRC).as_posix())
+    for name, files in sorted(local.items()):
+        others = files[1:] or shared.get(name, [])
+        if others:
+            yield f"{name} of {files[0]} is also a name of {', '.join(others)}"
 
 
 def name_problems():
@@ -110,6 +203,11 @@ def head_problems():
 
 
 report("folders", folder_problems())
+report("budgets", budget_problems())
+report("layers", layer_problems())
+if len(sys.argv) > 1:
+    report("link closure", link_closure_problems(pathlib.Path(sys.argv[1])))
+report("unity names", unity_problems())
 report("names", name_problems())
 report("links", link_problems())
 report("heads", head_problems())

@@ -12,8 +12,8 @@
 
 #include "src/base/disjoint_sets.hpp"
 #include "src/loops/carry_loops.hpp"
-#include "src/loops/cut_surface.hpp"
-#include "src/loops/disjoint.hpp"
+#include "src/curves/cut_surface.hpp"
+#include "src/curves/disjoint.hpp"
 #include "src/loops/handle_system.hpp"
 #include "src/loops/library_loops.hpp"
 #include "src/loops/linking.hpp"

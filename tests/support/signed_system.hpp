@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "../src/solve/signed_matrix.hpp"
+#include "../src/linear/signed_matrix.hpp"
 
 namespace linear {
 

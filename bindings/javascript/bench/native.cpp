@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include <hmf/hmf.h>
+#include <hmf/uses.h>
 
 namespace {
 

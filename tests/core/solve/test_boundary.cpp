@@ -1,6 +1,6 @@
 // Surfaces with boundary: closed forms, the linear problem, loops of the library, random arcs.
 #include "src/api/foliation_object.hpp"
-#include "src/loops/double_loops.hpp"
+#include "src/curves/double_loops.hpp"
 #include "src/loops/surface_loops.hpp"
 #include "support/boundary.hpp"
 #include "support/sample.hpp"

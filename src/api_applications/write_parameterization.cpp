@@ -7,7 +7,7 @@
 #include "../hierarchy/caller_numbers.hpp"
 #include "../mesh/weights.hpp"
 #include "../parameterize/seams.hpp"
-#include "result.hpp"
+#include "../api/result.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // uses.h: trace.
 #include "../lines/front_lines.hpp"
 #include "../lines/trace.hpp"
-#include "../solve/to_minimum.hpp"
-#include "result.hpp"
+#include "../cylinders/to_minimum.hpp"
+#include "../api/result.hpp"
 #include "use_entry.hpp"
 
 #include <algorithm>
@@ -54,7 +54,7 @@ hmf_status read_trace_options(const hmf_trace_options* options, const hmf_hierar
 }
 
 // Lines that are made, as the caller gets them.
-hmf_status hand_over(const hmf_foliation& foliation, Lines& made, Call& call, hmf_lines** out) {
+hmf_status hand_over_lines(const hmf_foliation& foliation, Lines& made, Call& call, hmf_lines** out) {
     const hmf_hierarchy& h = *foliation.hierarchy;
     if (foliation.level == 0) {
         Array<uint32_t> caller;
@@ -105,7 +105,7 @@ extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_
         Lines made(leaves.state.foliation, level.position, foliation->unit, all.length_limit, call);
         if (!made.start()) return call.out_of_memory();
         if (trace_leaves(all, side, leaves.cylinders, made, call)) return call.status();
-        return hand_over(*foliation, made, call, out) ? call.status() : entry.end();
+        return hand_over_lines(*foliation, made, call, out) ? call.status() : entry.end();
     }
     ConjugateLevels levels;
     if (all.spacing > 0) {
@@ -123,5 +123,5 @@ extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_
     if (!made.start()) return call.out_of_memory();
     if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call))
         return call.status();
-    return hand_over(*foliation, made, call, out) ? call.status() : entry.end();
+    return hand_over_lines(*foliation, made, call, out) ? call.status() : entry.end();
 }

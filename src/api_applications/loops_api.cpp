@@ -1,9 +1,9 @@
-// hmf.h: the loops that the library makes.
+// uses.h: the loops that the library makes.
 #include "../cylinders/reference_loops.hpp"
 #include "../hierarchy/caller_numbers.hpp"
 #include "../loops/library_loops.hpp"
 #include "../loops/surface_loops.hpp"
-#include "solve_call.hpp"
+#include "../api/solve_call.hpp"
 
 using namespace hmf;
 

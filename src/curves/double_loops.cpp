@@ -8,8 +8,6 @@ namespace hmf {
 
 namespace {
 
-using Long = unsigned long long;
-
 class Doubler {
 public:
     Doubler(const hmf_hierarchy& h, const SurfaceLoops& given, Call& call) :

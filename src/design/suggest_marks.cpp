@@ -17,7 +17,7 @@
 
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
-#include "../mesh/edge_distances.hpp"
+#include "edge_distances.hpp"
 #include "disk_corners.hpp"
 
 #include <algorithm>

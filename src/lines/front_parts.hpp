@@ -2,8 +2,8 @@
 // double, and what is the mirror image of what.
 #pragma once
 
-#include "cylinders.hpp"
-#include "mirror_symmetry.hpp"
+#include "../leaves/cylinders.hpp"
+#include "../leaves/mirror_symmetry.hpp"
 
 namespace hmf {
 

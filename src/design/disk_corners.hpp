@@ -1,7 +1,7 @@
 // Marked vertices for a disk whose owner names none.
 #pragma once
 
-#include "hierarchy.hpp"
+#include "../hierarchy/hierarchy.hpp"
 
 namespace hmf {
 

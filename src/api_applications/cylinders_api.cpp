@@ -1,9 +1,9 @@
 // uses.h: cylinders.
 #include "../cylinders/cylinder_measures.hpp"
 #include "../cylinders/front_cylinders.hpp"
-#include "../solve/to_minimum.hpp"
-#include "read_loop_set.hpp"
-#include "result.hpp"
+#include "../cylinders/to_minimum.hpp"
+#include "../api/read_loop_set.hpp"
+#include "../api/result.hpp"
 #include "use_entry.hpp"
 
 using namespace hmf;
@@ -25,8 +25,8 @@ hmf_status name_middle_leaves(const Leaves& leaves, Curves& curves, Array<uint32
 }
 
 // Those of the caller's loops on a surface with boundary.
-hmf_status keep_front(const hmf_hierarchy& h, const hmf_loop_set& loops, const WeightedLoops& given,
-                      CylindersWithLeaves cylinders, Array<double>& heights, Call& call) {
+hmf_status keep_front_of_set(const hmf_hierarchy& h, const hmf_loop_set& loops, const WeightedLoops& given,
+                             CylindersWithLeaves cylinders, Array<double>& heights, Call& call) {
     hmf_loop_set all;
     if (read_options(&loops, all, "hmf_loop_set", call)
         || keep_front_cylinders({all.count, all.arcs, given.factor, h.surface_triangles}, cylinders, call))
@@ -72,7 +72,8 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
         return call.status();
 
     Array<uint8_t> arcs;
-    if (h.is_double() && loops && keep_front(h, *loops, given, {list, curves.offsets, triangles, arcs}, heights, call))
+    if (h.is_double() && loops
+        && keep_front_of_set(h, *loops, given, {list, curves.offsets, triangles, arcs}, heights, call))
         return call.status();
     const size_t count = list.size();
     struct Made {

@@ -3,7 +3,7 @@
 
 #include "../../include/hmf/uses.h"
 #include "../parameterize/parameterization.hpp"
-#include "foliation_object.hpp"
+#include "../api/foliation_object.hpp"
 
 namespace hmf {
 

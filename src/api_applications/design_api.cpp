@@ -1,10 +1,10 @@
-// hmf.h: even design, conformal scale.
+// uses.h: even design, conformal scale.
 #include "../design/boundary_design.hpp"
 #include "../design/conformal_scale.hpp"
 #include "../hierarchy/caller_numbers.hpp"
-#include "foliation_object.hpp"
-#include "mesh_entry.hpp"
-#include "result.hpp"
+#include "../api/foliation_object.hpp"
+#include "../api/mesh_entry.hpp"
+#include "../api/result.hpp"
 
 using namespace hmf;
 

@@ -7,7 +7,7 @@
 // most of the time of a walk over a mesh that does not fit into the caches.
 #pragma once
 
-#include "mesh.hpp"
+#include "../mesh/mesh.hpp"
 
 namespace hmf {
 

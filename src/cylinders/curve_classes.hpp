@@ -5,15 +5,12 @@
 
 #include "../hierarchy/hierarchy.hpp"
 #include "../homotopy/curve_names.hpp"
-#include "../loops/loops.hpp"
+#include "../curves/loops.hpp"
+#include "../leaves/class_certificate.hpp"
+#include "../leaves/cylinders.hpp"
 #include "../mesh/mesh_copy.hpp"
-#include "cylinders.hpp"
 
 namespace hmf {
-
-// Names a boundary leaf.
-Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
-                  CurveNames& names);
 
 class CurveClasses {
 public:

@@ -2,6 +2,7 @@
 // in one.
 #pragma once
 
+#include "../../include/hmf/uses.h"
 #include "../base/memory.hpp"
 
 namespace hmf {

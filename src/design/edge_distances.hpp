@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../base/nearest_first.hpp"
-#include "mesh.hpp"
+#include "../mesh/mesh.hpp"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // uses.h: quads.
 #include "../quads/relax_quads.hpp"
 #include "../quads/sized_quads.hpp"
-#include "result.hpp"
+#include "../api/result.hpp"
 #include "use_entry.hpp"
 
 #include <cmath>

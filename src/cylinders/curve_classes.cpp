@@ -8,12 +8,6 @@ constexpr size_t CLASSES_STRIDE = 4096; // flips or splits between two reports
 
 } // namespace
 
-Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
-                  CurveNames& names) {
-    const Boundary& b = graph.boundaries[boundary];
-    return names.add(mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; });
-}
-
 hmf_status CurveClasses::start(const hmf_hierarchy& hierarchy, size_t level, size_t finest, Call& call) {
     hierarchy_ = &hierarchy;
     level_ = level;

@@ -1,20 +1,20 @@
-// hmf.h: the components of a mesh, and marked vertices proposed for each.
-#include "../hierarchy/suggest_marks.hpp"
-#include "../mesh/components.hpp"
+// uses.h: the components of a mesh, and marked vertices proposed for each.
+#include "../design/suggest_marks.hpp"
+#include "../components/components.hpp"
 #include "../mesh/marked_vertices.hpp"
 #include "../mesh/spatial_order.hpp"
 #include "../mesh/validate.hpp"
-#include "mesh_entry.hpp"
-#include "result.hpp"
+#include "../api/mesh_entry.hpp"
+#include "../api/result.hpp"
 
 using namespace hmf;
 
 namespace {
 
 // The components of the caller's mesh with their arrays for a build.
-class Parts {
+class SplitMesh {
 public:
-    Parts(const hmf_hierarchy& like, const BuildOptions& options, Call& call) :
+    SplitMesh(const hmf_hierarchy& like, const BuildOptions& options, Call& call) :
         like_(like), options_(options), call_(call) {}
 
     hmf_status find(const double* positions, size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
@@ -194,7 +194,7 @@ hmf_status hmf_components(const double* positions, size_t vertex_count, const ui
                           hmf_component_set** out, hmf_error* error) {
     return begin(options, control, out, error,
                  [&](const hmf_hierarchy& h, const BuildOptions& build, Call& call) -> hmf_component_set* {
-                     Parts parts(h, build, call);
+                     SplitMesh parts(h, build, call);
                      if (parts.find(positions, vertex_count, triangles, triangle_count) || parts.check())
                          return nullptr;
                      return parts.result();
@@ -208,7 +208,7 @@ hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const
         build.marked_count = 0;
         Array<uint32_t> found;
         {
-            Parts parts(h, build, call);
+            SplitMesh parts(h, build, call);
             if (parts.find(positions, vertex_count, triangles, triangle_count)) return nullptr;
             if (parts.count() > 1 && parts.suggest(found)) return nullptr;
             if (parts.count() > 1) return mark_set(found, h, call);

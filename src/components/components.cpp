@@ -1,7 +1,7 @@
 #include "components.hpp"
 
 #include "../base/disjoint_sets.hpp"
-#include "mesh.hpp"
+#include "../mesh/mesh.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 // there.
 #pragma once
 
-#include "solve.hpp"
+#include "../solve/solve.hpp"
 
 namespace hmf {
 

@@ -2,14 +2,14 @@
 #include "../atlas/atlas.hpp"
 #include "../atlas/atlas_measures.hpp"
 #include "../parameterize/parameterization.hpp"
-#include "result.hpp"
+#include "../api/result.hpp"
 #include "use_entry.hpp"
 
 using namespace hmf;
 
 namespace {
 
-constexpr double MARGIN = 1.0 / 512, LARGEST_MARGIN = 1.0 / 16;
+constexpr double DEFAULT_MARGIN = 1.0 / 512, MOST_MARGIN = 1.0 / 16;
 
 // Corners and charts, triangle by triangle.  side: of each triangle of the caller.
 hmf_status write_charts(const Atlas& made, const Mesh& mesh, const Array<uint32_t>& side, hmf_chart_set& to,
@@ -32,7 +32,7 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     Call& call = entry.call;
     hmf_atlas_options all;
     if (entry.check(out) || read_options(options, all, "hmf_atlas_options", call)) return call.status();
-    if (!(all.margin >= 0 && all.margin <= LARGEST_MARGIN))
+    if (!(all.margin >= 0 && all.margin <= MOST_MARGIN))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "margin must lie in [0, 1/16]; 0 means 1/512.");
     const hmf_hierarchy& h = *foliation->hierarchy;
     const size_t level = foliation->level;
@@ -54,7 +54,7 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     const Foliation& f = leaves.state.foliation;
     if (strips.build(f, leaves.cylinders, *flat.flat, h.is_double() ? &reflection : nullptr,
                      foliation->unit / flat.unit, call)
-        || made.build(f.mesh, position, flat.flat->bundle, strips, all.margin > 0 ? all.margin : MARGIN, call))
+        || made.build(f.mesh, position, flat.flat->bundle, strips, all.margin > 0 ? all.margin : DEFAULT_MARGIN, call))
         return call.status();
     AtlasMeasures measures;
     if (!side_of_triangles(h, level, side, call)) return call.stopped();

@@ -42,8 +42,6 @@ void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end) 
 
 namespace {
 
-using Long = unsigned long long;
-
 // Two consecutive path edges as fewer: 0, 1 (in `one`), or 2 if nothing is to gain.
 int shorten(const Mesh& mesh, uint32_t g, uint32_t h, uint32_t& one) {
     if (h == twin(g)) return 0;

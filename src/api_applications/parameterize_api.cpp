@@ -1,7 +1,7 @@
 // uses.h: parameterise.
 #include "../loops/library_loops.hpp"
 #include "../parameterize/parameterization.hpp"
-#include "result.hpp"
+#include "../api/result.hpp"
 #include "use_entry.hpp"
 #include "write_parameterization.hpp"
 

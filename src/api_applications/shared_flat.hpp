@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../parameterize/flat_surface.hpp"
-#include "foliation_object.hpp"
+#include "../api/foliation_object.hpp"
 
 namespace hmf {
 

@@ -28,8 +28,8 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t undecided = 0xffffffffu;
-constexpr uint32_t left_out = 0xfffffffeu; // the smoother alone is enough
-constexpr uint32_t joined = 0x80000000u;   // mark of an unknown that joined later
+constexpr uint32_t left_out = 0xfffffffeu;     // the smoother alone is enough
+constexpr uint32_t joined_later = 0x80000000u; // mark of an unknown that joined later
 constexpr double omega = 2.0 / 3;
 // A hub is not smoothed: its row would couple all aggregates around it with
 // each other, and the Galerkin product would cost the square of its degree.
@@ -105,7 +105,7 @@ void take_in(const SignedMatrix& matrix, uint32_t root, bool strong_only, Aggreg
 // none.  vote: zeros, left as found.
 bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, double* vote, Aggregates& a) {
     const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
-    const uint32_t mask = ~joined;
+    const uint32_t mask = ~joined_later;
     const auto counts = [&](uint32_t of) { return of < left_out && (of & mask) < a.count; };
     for (uint32_t k = begin; k < end; ++k) {
         const uint32_t j = matrix.column[k], of = a.of[j];
@@ -127,7 +127,7 @@ bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint3
         if (counts(of)) vote[of & mask] = 0;
     }
     if (best == undecided) return false;
-    a.of[i] = best | joined;
+    a.of[i] = best | joined_later;
     return true;
 }
 
@@ -169,7 +169,7 @@ Done join_cores(const SignedMatrix& matrix, const Array<double>& kernel, Aggrega
     parallel.for_blocks(matrix.n, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             if (choice[i] == undecided) continue;
-            a.of[i] = choice[i] / 2 | joined;
+            a.of[i] = choice[i] / 2 | joined_later;
             a.sign[i] = choice[i] % 2 ? -1 : 1;
         }
     });
@@ -184,7 +184,7 @@ Done renumber(Aggregates& a, uint32_t n, Memory& memory) {
     uint32_t next = a.count;
     for (uint32_t i = n; i-- > 0;) {
         if (a.of[i] >= left_out) continue;
-        uint32_t& own = number[a.of[i] & ~joined];
+        uint32_t& own = number[a.of[i] & ~joined_later];
         if (own == undecided) own = --next;
         a.of[i] = own;
     }

@@ -20,8 +20,6 @@ namespace hmf {
 
 namespace {
 
-using Long = unsigned long long;
-
 // An element of loop d that loop c has as well (c = d: one that it has twice);
 // NONE if there is none, or no memory to find it.
 uint32_t common_element(const GivenLoops* given, size_t c, size_t d, Memory& memory) {
