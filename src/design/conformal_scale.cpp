@@ -55,7 +55,7 @@ Extent extent_of(const double* position, size_t count) {
 
 constexpr double FLAT = 1e-12; // height of a triangle, in its longest side
 
-double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double product_of(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Area of a triangle and its energy for each unit of it; F: of the sides from corner i to i + 1.
 struct Triangle {
@@ -68,9 +68,9 @@ struct Triangle {
             b[x] = p2[x] - p1[x];
             c[x] = p0[x] - p2[x];
         }
-        const double ab = dot(a, b), bc = dot(b, c), ca = dot(c, a);
+        const double ab = product_of(a, b), bc = product_of(b, c), ca = product_of(c, a);
         const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-        const double square = dot(cross, cross), doubled = std::sqrt(square);
+        const double square = product_of(cross, cross), doubled = std::sqrt(square);
         // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
         const double longest = std::max(-ca - ab, std::max(-ab - bc, -bc - ca));
         if (!(doubled > FLAT * longest)) return;

@@ -50,7 +50,7 @@ double squared_distance(const double* a, const double* b) {
     return x * x + y * y + z * z;
 }
 
-void cross(const double* u, const double* v, double* n) {
+void cross_product(const double* u, const double* v, double* n) {
     n[0] = u[1] * v[2] - u[2] * v[1];
     n[1] = u[2] * v[0] - u[0] * v[2];
     n[2] = u[0] * v[1] - u[1] * v[0];
@@ -108,9 +108,9 @@ bool minimum(const Quadric& q, double* x) {
     const double* a = q.a;
     const double r0[3] = {a[0], a[1], a[2]}, r1[3] = {a[1], a[3], a[4]}, r2[3] = {a[2], a[4], a[5]};
     double c0[3], c1[3], c2[3];
-    cross(r1, r2, c0);
-    cross(r2, r0, c1);
-    cross(r0, r1, c2);
+    cross_product(r1, r2, c0);
+    cross_product(r2, r0, c1);
+    cross_product(r0, r1, c2);
     const double determinant = dot_product(r0, c0), trace = a[0] + a[3] + a[5];
     if (!(determinant > 1e-12 * trace * trace * trace)) return false;
     for (int n = 0; n < 3; ++n) x[n] = (q.b[0] * c0[n] + q.b[1] * c1[n] + q.b[2] * c2[n]) / determinant;
@@ -300,7 +300,7 @@ void initial_quadrics(WorkMesh& work) {
             u[c] = a[c] - corner[c];
             v[c] = b[c] - corner[c];
         }
-        cross(u, v, n);
+        cross_product(u, v, n);
         const double square = dot_product(n, n), size = std::sqrt(square);
         if (!(size > 0)) continue;
         const double w = size / 6, d = dot_product(n, p) / size;
