@@ -10,12 +10,16 @@
 
 #include "../mesh/weights.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
 
 // Rounding must not make an edge turn for ever between two equal states.
 constexpr double DELAUNAY_TOLERANCE = -1e-9;
+// An edge between two vertices of higher degree is not flipped: whether they are neighbors takes a walk.
+constexpr uint32_t MAX_WALKED_DEGREE = 256;
 // Of an edge that is not on the stack of those to be looked at.
 constexpr uint32_t NOT_WANTED = NONE - 1, WANTED = NONE - 2;
 
@@ -62,6 +66,7 @@ bool flip_if_possible(WorkMesh& work, uint32_t edge) {
     const uint32_t h = 2 * edge, t = twin(h), ki = mesh.prev(h), lj = mesh.prev(t);
     const uint32_t i = mesh.origin[h], j = mesh.origin[t], k = mesh.origin[ki], l = mesh.origin[lj];
     if (k == l || work.degree[i] <= 3 || work.degree[j] <= 3) return false;
+    if (std::min(work.degree[k], work.degree[l]) > MAX_WALKED_DEGREE) return false;
     if (work.has_double_edges && is_folded(work.at(i), work.at(j), work.at(k), work.at(l))) return false;
     if (work.degree[k] < work.degree[l] ? neighbours(work, ki, l) : neighbours(work, lj, k)) return false;
     flip(mesh, edge);

@@ -39,6 +39,8 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MAX_DEGREE = 32;
+// Of both ends of an edge together, in a round that is not careful.
+constexpr uint32_t MAX_TESTED_DEGREE = 512;
 
 struct Placement {
     double position[3];
@@ -466,10 +468,16 @@ private:
             queue.put(e, bucket, work_.link);
             return Fate::dropped;
         }
-        if (strict_ ? !keeps_shape(work_, h, placement.position) : !can_collapse(mesh_, h, work_.marks.data()))
-            return Fate::dropped;
+        if (strict_ ? !keeps_shape(work_, h, placement.position) : !is_possible(h)) return Fate::dropped;
         apply(work_, h, placement, strategy_ == HMF_COLLAPSE_QSLIM, record);
         return Fate::collapsed;
+    }
+
+    // The link condition, where it is tested in bounded time: edges at a vertex of higher degree stay until
+    // collapses around it have lowered its degree.
+    bool is_possible(uint32_t h) {
+        return work_.degree[mesh_.origin[h]] + work_.degree[mesh_.target(h)] <= MAX_TESTED_DEGREE
+            && can_collapse(mesh_, h, work_.marks.data());
     }
 
     // At most `most` collapses of a block.  Returns how many.
