@@ -13,21 +13,22 @@
 //
 // No other triangle notices: at a closed corner of i one side grows as the
 // other shrinks, at an open one both change alike.  So a regular vertex serves
-// as the place of one zero; which tripod takes which corner is a matching.
-// Where zeros are so dense that corners run out, one is dragged to a vertex
-// further away (zero_drag.hpp).
+// as the place of one zero.
 //
-// Clusters.  Zero triangles are given to the outside one by one; a graph of zero
-// edges is left, across which u goes on as across a leaf.  The zeros of the cluster
-// lie where this graph branches, and move along it to the vertices that take them.
+// Signs.  With a sign for each side every face has one corner between two equal
+// signs, its middle one.  Zero triangles are given to the outside one by one; a
+// graph of zero edges is left, across which u goes on as across a leaf:
 //
-// At a marked vertex the chart comes back with the opposite sign, as round a
-// pole.  A zero that shares its place with one gets a vertex of its own: the
-// nearest neighbour moves there, so that both are one cluster, with as many
-// vertices as are wanted.
+//           - +                              turn = - sign(h) * sign(twin h)
+//     ----*-----*----                        order of a vertex = middle corners - 2
+//           - +
+//
+// An end of that graph with order -1 is a limb, across whose edge u turns back.
+// Where the turn is even at a zero or a mark, one zero more than the turn can hold
+// is there: it is dragged to a vertex near by, as those are that find no corner
+// (zero_drag.hpp).
 #include "twisted_form.hpp"
 
-#include "../foliation/restriction.hpp"
 #include "../mesh/weights.hpp"
 #include "zero_drag.hpp"
 
@@ -55,8 +56,8 @@ Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Call& call)
 
 namespace {
 
-constexpr uint32_t TWISTED_STRIDE = 131072;           // elements between two reports
-constexpr uint32_t unseen = NONE, without = NONE - 1; // clusters: not yet; no zero edge
+constexpr uint32_t TWISTED_STRIDE = 131072; // elements between two reports
+constexpr int32_t PRUNED = INT32_MIN;       // order of a vertex of a limb: 0
 
 class FormOfFoliation {
 public:
@@ -68,14 +69,12 @@ public:
         tripod_.start(memory_);
         corner_.start(memory_);
         without_corner_.start(memory_);
-        queue_.start(memory_);
-        if (mesh_.marked_count > 0 && !part_zeros_from_marks()) return call_.stopped();
-        if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
-            || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m)
-            || !du_.value.allocate(memory_, m))
+        zero_triangle_.start(memory_);
+        if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !taken_.allocate_filled(memory_, n, uint8_t{0})
+            || !order_.allocate(memory_, n) || !bundle_.turn.allocate(memory_, m) || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
         if (!call_.tick(0)) return call_.was_cancelled();
-        if (!sign_faces() || !match()) return call_.stopped();
+        if (!sign_faces() || !give_zero_triangles_to_the_outside() || !assign_corners()) return call_.stopped();
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!call_.pass(m, 0, [&](size_t begin, size_t end) {
                 for (size_t e = begin; e < end; ++e) {
@@ -87,8 +86,8 @@ public:
         for (const uint32_t h : corner_)
             if (h != NONE) move_to_branch_point(h);
         if (!call_.tick(0)) return call_.was_cancelled();
-        if (!place_zeros_of_clusters() || !turn_zero_edges()) return call_.stopped();
-        return without_corner_.empty() ? HMF_OK : drag_zeros();
+        if (!count_orders()) return call_.stopped();
+        return drag_zeros();
     }
 
 private:
@@ -131,22 +130,21 @@ private:
                           [&](uint32_t h, uint32_t n, uint32_t p) {
                               if (!listed || sign_regular_face(h, n, p)) return;
                               if (f_.at(h) != 0) listed = static_cast<bool>(tripod_.push(h) && corner_.push(NONE));
-                              else listed = static_cast<bool>(queue_.push(h));
+                              else listed = static_cast<bool>(zero_triangle_.push(h));
                           });
             if (!listed) return false;
         }
-        return give_zero_triangles_to_the_outside();
+        return true;
     }
 
-    // Zero triangles, listed in queue_: as long as one has a side where a neighbor has its signs, it joins that
-    // neighbor, in the same chart.  u leaves its other sides as it left that one.
+    // As long as a zero triangle has a side where its neighbor has signs, it joins this neighbor, in the
+    // same chart.  u leaves its two other sides as it left that one.
     Done give_zero_triangles_to_the_outside() {
         Array<uint32_t> entered; // sides of zero triangles, with a neighbor that has its signs
         entered.start(memory_);
-        for (const uint32_t h : queue_)
+        for (const uint32_t h : zero_triangle_)
             for (const uint32_t x : {h, mesh_.next[h], mesh_.prev(h)})
                 if (sign_[twin(x)] != 0 && !entered.push(x)) return false;
-        queue_.clear();
         for (size_t i = 0; i < entered.size(); ++i) {
             const uint32_t h = entered[i], n = mesh_.next[h], p = mesh_.next[n];
             if (sign_[h] != 0) continue;
@@ -168,31 +166,38 @@ private:
         return closed == 2 && !mesh_.is_marked(v);
     }
 
-    // A corner for as many tripods as possible, no vertex twice: the nearest that
-    // is free, else along an augmenting path.  The star of the vertex gets an
-    // angle of 3 pi: with fewer than six triangles they would be stretched.
-    Done match() {
+    // Of the corners of a tripod that are regular and serve no other, the nearest.  Those that are too far are left
+    // out: a zero next to a narrow part of the surface may have corners at its other end.
+    Done assign_corners() {
+        if (tripod_.empty()) return true;
+        constexpr double share = 0.01, ratio = 4;
+        const double energy = call_.parallel.sum_blocks<double>(mesh_.edge_count, [&](size_t begin, size_t end) {
+            double sum = 0;
+            for (size_t e = begin; e < end; ++e) {
+                const double value = static_cast<double>(f_.value[e]);
+                sum += weight_[e] * value * value;
+            }
+            return sum;
+        });
         for (uint32_t t = 0; t < tripod_.size(); ++t) {
             uint32_t h = tripod_[t], best = NONE;
-            double least = 0;
-            for (uint32_t turn = 0; turn < 3; ++turn, h = mesh_.next[h]) {
+            double least = 0, cheapest = HUGE_VAL;
+            for (uint32_t k = 0; k < 3; ++k, h = mesh_.next[h]) cheapest = std::min(cheapest, cost(h));
+            for (uint32_t k = 0; k < 3; ++k, h = mesh_.next[h]) {
                 const uint32_t v = mesh_.origin[h];
-                if (owner_[v] != NONE || !is_regular(v)) continue;
+                if (taken_[v] || !is_regular(v) || cost(h) > std::max(share * energy, ratio * cheapest)) continue;
                 const double distance = distance_to_zero(h);
                 if (best != NONE && distance >= least) continue;
                 best = h;
                 least = distance;
             }
-            if (best != NONE) take(t, best);
-        }
-        for (uint32_t t = 0; t < tripod_.size(); ++t)
-            if (corner_[t] == NONE && !augment(t)) return false;
-        for (size_t t = 0; t < tripod_.size(); ++t) {
-            if (corner_[t] != NONE) {
-                sign_face(mesh_.next[corner_[t]]);
+            corner_[t] = best;
+            if (best != NONE) {
+                taken_[mesh_.origin[best]] = 1;
+                sign_face(mesh_.next[best]);
                 continue;
             }
-            const uint32_t h = tripod_[t];
+            h = tripod_[t];
             sign_[h] = sign_[mesh_.next[h]] = 1; // as ZeroDrags wants it
             sign_[mesh_.prev(h)] = -1;
             if (!without_corner_.push(h)) return false;
@@ -200,11 +205,31 @@ private:
         return true;
     }
 
+    // What the energy changes by, at most, if the origin of a half-edge moves to the branch point.
+    double cost(uint32_t corner) const {
+        const double a = 0.5 * static_cast<double>(f_.corner2(corner));
+        double sum = 0;
+        for (const uint32_t h : mesh_.around_from(corner)) sum += weight_[edge_of(h)];
+        return sum * a * a;
+    }
+
+    // Where there is a zero or a mark the turn has to be odd, for u is held there, unless du is coclosed.  Where it is
+    // even one zero goes to a vertex of order 0, as those do that found no corner.
     hmf_status drag_zeros() {
-        size_t left = 0;
-        for (uint32_t v = 0; v < mesh_.vertex_count; ++v)
-            if (seen_[v] == without) taken_[v] = owner_[v] != NONE || mesh_.is_marked(v) || closed_corners(v) != 2;
-        if (!ZeroDrags(mesh_, bundle_, du_, taken_).drag(without_corner_, call_, left)) return call_.stopped();
+        Array<uint32_t> even;
+        even.start(memory_);
+        size_t places = 0;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return call_.was_cancelled();
+            taken_[v] = mesh_.is_marked(v) || (order_[v] != 0 && order_[v] != PRUNED);
+            places += !taken_[v];
+            if (taken_[v] && order_[v] % 2 == 0 && !is_coclosed(v) && !even.push(v)) return call_.stopped();
+        }
+        const size_t zeros = without_corner_.size() + even.size();
+        size_t left = zeros;
+        if (zeros <= places
+            && !ZeroDrags(mesh_, weight_, bundle_, du_, taken_).drag(without_corner_, even, call_, left))
+            return call_.stopped();
         if (left == 0) return HMF_OK;
         return call_.fail(
             HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
@@ -216,7 +241,6 @@ private:
     // the fluxes tell: in u, and in v from the centre of the tripod to the mean of
     // the centres round the vertex.
     double distance_to_zero(uint32_t corner) const {
-        constexpr uint32_t enough = 6;
         const double a = 0.5 * static_cast<double>(f_.corner2(corner));
         double V = 0, sum = 0;
         uint32_t degree = 0;
@@ -229,65 +253,9 @@ private:
             V += s * weight_[edge_of(ahead)] * static_cast<double>(f_.at(ahead));
         }
         const double b = sum / degree;
+        // Its star gets an angle of 3 pi: with fewer than six triangles they would be stretched.
+        constexpr uint32_t enough = 6;
         return std::sqrt(a * a + b * b) * (degree < enough ? 1 << (enough - degree) : 1);
-    }
-
-    void take(uint32_t t, uint32_t h) {
-        corner_[t] = h;
-        owner_[mesh_.origin[h]] = t;
-    }
-
-    // A corner for one more tripod, if others can give way.  seen_ holds the tripod that a vertex was reached from.
-    Done augment(uint32_t start) {
-        queue_.clear();
-        Array<uint32_t> reached;
-        reached.start(memory_);
-        if (!queue_.push(start)) return false;
-        uint32_t end = NONE;
-        for (size_t i = 0; i < queue_.size() && end == NONE; ++i) {
-            uint32_t h = tripod_[queue_[i]];
-            for (uint32_t turn = 0; turn < 3 && end == NONE; ++turn, h = mesh_.next[h]) {
-                const uint32_t v = mesh_.origin[h];
-                if (seen_[v] != NONE || (owner_[v] == NONE && !is_regular(v))) continue;
-                seen_[v] = queue_[i];
-                if (!reached.push(v)) return false;
-                if (owner_[v] == NONE) end = v;
-                else if (!queue_.push(owner_[v])) return false;
-            }
-        }
-        // Back along the path: each tripod gives its vertex to the one before.
-        while (end != NONE) {
-            const uint32_t t = seen_[end], given_up = corner_[t];
-            uint32_t h = tripod_[t];
-            while (mesh_.origin[h] != end) h = mesh_.next[h];
-            const uint32_t before = given_up == NONE ? NONE : mesh_.origin[given_up];
-            take(t, h);
-            if (t == start) break;
-            end = before;
-        }
-        for (const uint32_t v : reached) seen_[v] = NONE;
-        return true;
-    }
-
-    // Vertices without mark for all zeros of a cluster with marks.
-    Done part_zeros_from_marks() {
-        RestrictionScratch scratch;
-        if (!scratch.allocate(memory_)) return false;
-        for (uint32_t v = 0; v < mesh_.marked_count; ++v)
-            for (;;) {
-                const Cluster cluster = explore_cluster(f_, v);
-                const int64_t plain = static_cast<int64_t>(f_.members.size()) - cluster.marked;
-                if (plain + cluster.index() >= 0) break;
-                uint32_t nearest = NONE; // half-edge into the cluster
-                for (const uint32_t u : f_.members)
-                    for (const uint32_t h : mesh_.around(u))
-                        if (f_.at(h) > 0 && (nearest == NONE || f_.at(h) < f_.at(nearest))
-                            && is_regular(mesh_.target(h)))
-                            nearest = twin(h);
-                if (nearest == NONE) break;
-                if (!move_to_end(f_, nearest, scratch)) return false;
-            }
-        return true;
     }
 
     // corner: its origin is the regular vertex that moves.
@@ -301,91 +269,58 @@ private:
         }
     }
 
-    // The zeros of a cluster go one by one to the vertices with most closed corners.  Sets odd_ and taken_.
-    Done place_zeros_of_clusters() {
-        Array<uint8_t> closed;
-        if (!closed.allocate(memory_, mesh_.vertex_count) || !odd_.allocate_filled(memory_, mesh_.vertex_count, 0)
-            || !taken_.allocate(memory_, mesh_.vertex_count))
-            return false;
-        const auto look = [&](size_t begin, size_t end) {
-            for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
-                seen_[v] = has_zero_edge(v) ? unseen : without;
-                taken_[v] = mesh_.is_marked(v);
-            }
-        };
-        if (!call_.pass(mesh_.vertex_count, 0, look)) return false;
-        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
-            if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
-            if (seen_[v] != unseen) continue;
-            const int64_t index = explore_cluster(f_, v).index();
-            for (const uint32_t u : f_.members) {
-                seen_[u] = v;
-                closed[u] = closed_corners(u);
-                odd_[u] = mesh_.is_marked(u);
-            }
-            // Where vertices run out two zeros lie on one, which is even then, or one on a marked vertex.
-            size_t zeros = index < 0 ? static_cast<size_t>(-index) : 0;
-            uint32_t last = v;
-            for (; zeros > 0; --zeros) {
-                uint32_t best = NONE;
-                for (const uint32_t u : f_.members)
-                    if (!taken_[u] && (best == NONE || closed[u] > closed[best])) best = u;
-                if (best == NONE) break;
-                odd_[best] = taken_[best] = 1;
-                last = best;
-            }
-            if (zeros % 2) odd_[last] ^= 1;
+    // The fluxes at a vertex with an even turn cancel: u is harmonic there without being held.
+    bool is_coclosed(uint32_t v) const {
+        constexpr double rounding = 1e-6;
+        double divergence = 0, pull = 0;
+        int8_t chart = 1;
+        for (const uint32_t h : mesh_.around(v)) {
+            const double flux = weight_[edge_of(h)] * static_cast<double>(chart * du_.at(bundle_, h));
+            divergence += flux;
+            pull += std::fabs(flux);
+            chart = static_cast<int8_t>(chart * bundle_.turn[edge_of(mesh_.prev(h))]);
         }
-        return true;
+        return std::fabs(divergence) <= rounding * pull;
     }
 
-    // All vertices of a cluster but its zeros shall be even: the turns along a spanning tree of its zero edges see to
-    // that.  A change of the turns along a path moves one zero from end to end, which is an isotopy (mathematics, 10).
-    Done turn_zero_edges() {
-        Array<uint32_t> parent; // half-edge to the parent
-        if (!parent.allocate(memory_, mesh_.vertex_count)) return false;
-        for (const uint32_t h : without_corner_) odd_[mesh_.target(h)] ^= 1; // until its zero is dragged away
-        constexpr uint32_t done = NONE - 2;
-        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
-            if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
-            if (seen_[v] == without || seen_[v] == done) continue;
-            // Breadth first from v; its own parity follows from the others.
-            queue_.clear();
-            if (!queue_.push(v)) return false;
-            seen_[v] = done;
-            parent[v] = NONE;
-            for (size_t i = 0; i < queue_.size(); ++i) {
-                for (const uint32_t h : mesh_.around(queue_[i])) {
-                    const uint32_t w = mesh_.target(h);
-                    if (f_.at(h) == 0 && seen_[w] != done) {
-                        seen_[w] = done;
-                        parent[w] = twin(h);
-                        if (!queue_.push(w)) return false;
-                    }
+    bool is_middle(uint32_t h) const { return sign_[h] == sign_[mesh_.prev(h)]; }
+
+    // Middle corners at each vertex, without those of tripods whose zero is to be dragged; then the limbs.
+    Done count_orders() {
+        if (!call_.pass(mesh_.vertex_count, 0, [&](size_t begin, size_t end) {
+                for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+                    int32_t middle = 0;
+                    for (const uint32_t h : mesh_.around(v)) middle += is_middle(h);
+                    order_[v] = middle - 2;
                 }
-            }
-            for (size_t i = queue_.size(); i-- > 1;) {
-                const uint32_t u = queue_[i];
-                int8_t turn = 1;
-                for (const uint32_t h : mesh_.around(u)) turn = static_cast<int8_t>(turn * bundle_.turn[edge_of(h)]);
-                int8_t& of_parent = bundle_.turn[edge_of(parent[u])];
-                if ((turn < 0) != (odd_[u] != 0)) of_parent = static_cast<int8_t>(-of_parent);
-            }
+            }))
+            return false;
+        for (const uint32_t h : without_corner_) --order_[mesh_.target(h)];
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
+            prune(v);
         }
         return true;
     }
 
-    bool has_zero_edge(uint32_t v) const {
-        for (const uint32_t h : mesh_.around(v))
-            if (f_.at(h) == 0) return true;
-        return false;
+    // A zero triangle has another sign at the side by which it joined a neighbor.
+    bool is_entry(uint32_t h) const {
+        const uint32_t n = mesh_.next[h], p = mesh_.next[n];
+        return f_.at(n) == 0 && f_.at(p) == 0 && f_.at(h) == 0 && sign_[n] == sign_[p];
     }
 
-    uint8_t closed_corners(uint32_t v) const {
-        uint32_t closed = 0;
-        for (const uint32_t h : mesh_.around(v))
-            closed += f_.at(h) != 0 && f_.at(mesh_.prev(h)) != 0 && f_.corner2(h) == 0;
-        return static_cast<uint8_t>(std::min(closed, 255u));
+    // From the end of a limb on: u turns back across its edge, and the next vertex has one prong less.
+    void prune(uint32_t v) {
+        while (order_[v] == -1 && !mesh_.is_marked(v)) {
+            uint32_t limb = NONE;
+            for (const uint32_t h : mesh_.around(v))
+                if (f_.at(h) == 0 && !is_entry(h) && !is_entry(twin(h)) && order_[mesh_.target(h)] != PRUNED) limb = h;
+            if (limb == NONE) return; // a pole: the foliation has none
+            order_[v] = PRUNED;
+            bundle_.turn[edge_of(limb)] = static_cast<int8_t>(-bundle_.turn[edge_of(limb)]);
+            v = mesh_.target(limb);
+            --order_[v];
+        }
     }
 
     Foliation& f_;
@@ -395,13 +330,13 @@ private:
     TwistedForm& du_;
     Call& call_;
     Memory& memory_;
-    Array<int8_t> sign_;             // per half-edge: of du in the chart of its face; 0: zero edge
+    Array<int8_t> sign_;             // per half-edge: of du in the chart of its face
     Array<uint32_t> tripod_;         // a half-edge of each
     Array<uint32_t> corner_;         // per tripod: the half-edge out of the vertex that takes its zero
-    Array<uint32_t> owner_;          // per vertex: the tripod whose zero it takes
     Array<uint32_t> without_corner_; // a half-edge of each tripod that has none
-    Array<uint8_t> odd_, taken_;     // per vertex of a cluster: the turn round it shall be odd; it has a zero or a mark
-    Array<uint32_t> seen_, queue_;
+    Array<uint32_t> zero_triangle_;  // a half-edge of each
+    Array<uint8_t> taken_;           // per vertex: a zero has come, or none may
+    Array<int32_t> order_;           // per vertex
 };
 
 } // namespace

@@ -56,6 +56,7 @@ struct Tripods {
     hmf::Array<uint8_t> taken;
     Glued glued;
     std::vector<uint32_t> origin, next, face, out;
+    std::vector<double> ones; // weights of what is glued
 
     explicit Tripods(const Solution& s) {
         EXPECT_EQ(hmf::load_solved_in_unit_of_values(*s.foliation, state, call), HMF_OK);
@@ -63,6 +64,7 @@ struct Tripods {
     }
     explicit Tripods(const Glued& g) : glued(g) {
         const size_t sides = 2 * g.value.size();
+        ones.assign(g.value.size(), 1);
         origin.assign(sides, hmf::NONE);
         next.resize(sides);
         face.resize(sides);
@@ -143,7 +145,7 @@ struct Tripods {
     size_t drag(size_t genus) {
         const std::vector<uint8_t> before(taken.begin(), taken.end());
         size_t left = tripod.size();
-        EXPECT_TRUE(hmf::ZeroDrags(mesh, bundle, du, taken).drag(tripod, call, left));
+        EXPECT_TRUE(hmf::ZeroDrags(mesh, weight(), bundle, du, taken).drag(tripod, {}, call, left));
         size_t odd = 0, came = 0;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
             odd += is_odd(v);
@@ -169,7 +171,7 @@ struct Tripods {
             sum += weight()[e] * static_cast<double>(du.value[e]) * static_cast<double>(du.value[e]);
         return sum;
     }
-    const double* weight() const { return state.hierarchy->levels[0].weight; }
+    const double* weight() const { return glued.value.empty() ? state.hierarchy->levels[0].weight : ones.data(); }
 };
 
 } // namespace
@@ -236,7 +238,7 @@ TEST(ZeroDrag, NotWhereTheTurnIsNotEven) {
     ASSERT_EQ(t.tripod.size(), 4u);
     ASSERT_FALSE(t.taken[0]);
     size_t left = 0;
-    EXPECT_TRUE(hmf::ZeroDrags(t.mesh, t.bundle, t.du, t.taken).drag(t.tripod, t.call, left));
+    EXPECT_TRUE(hmf::ZeroDrags(t.mesh, t.weight(), t.bundle, t.du, t.taken).drag(t.tripod, {}, t.call, left));
     EXPECT_EQ(left, 4u);
     EXPECT_EQ(t.open_faces(), 4u);
 }
@@ -262,7 +264,7 @@ TEST(ZeroDrag, HeightsHaveRoom) {
         for (int64_t& x : finer.value) x <<= bits;
         Tripods f(finer);
         size_t left = 0;
-        EXPECT_TRUE(hmf::ZeroDrags(f.mesh, f.bundle, f.du, f.taken).drag(f.tripod, f.call, left));
+        EXPECT_TRUE(hmf::ZeroDrags(f.mesh, f.weight(), f.bundle, f.du, f.taken).drag(f.tripod, {}, f.call, left));
         EXPECT_EQ(left, bits < 55 ? 2u : 4u);
         if (bits == 55) continue; // sides of 2^61
         for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
