@@ -1,5 +1,5 @@
-// Stable sort of the numbers 0 .. n - 1 by a key of few values, in blocks: parts of
-// the numbers count theirs, then all parts know where those of each key begin.
+// Stable sort of n items by a key of few values, in blocks: parts of the items count theirs, then all parts know
+// where those of each key begin.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,11 @@
 
 namespace hmf {
 
-// key(i) < keys is asked for twice.  begin[k] .. begin[k + 1] is where those of key k are in order.
-template <class Key>
-Done sort_by_few(uint32_t n, uint32_t keys, Key key, uint32_t* order, uint32_t* begin, const Parallel& parallel,
-                 Memory& memory) {
+// key(i) < keys is asked for twice; put(i, at) then puts item i to its place.  begin[k] .. begin[k + 1] are the places
+// of key k; begin may be NULL.
+template <class Key, class Put>
+Done place_by_few(size_t n, uint32_t keys, Key key, Put put, uint32_t* begin, const Parallel& parallel,
+                  Memory& memory) {
     constexpr size_t most_parts = 16;
     const size_t size = std::max(Parallel::smallest, (n + most_parts - 1) / most_parts);
     Array<uint32_t> next; // of each part and key
@@ -19,11 +20,11 @@ Done sort_by_few(uint32_t n, uint32_t keys, Key key, uint32_t* order, uint32_t* 
     parallel.for_blocks(n, size, [&](size_t first, size_t end) {
         uint32_t* const count = &next[first / size * keys];
         std::memset(count, 0, keys * sizeof(uint32_t));
-        for (uint32_t i = static_cast<uint32_t>(first); i < end; ++i) ++count[key(i)];
+        for (size_t i = first; i < end; ++i) ++count[key(i)];
     });
     uint32_t sum = 0;
     for (uint32_t k = 0; k < keys; ++k) {
-        begin[k] = sum;
+        if (begin) begin[k] = sum;
         for (size_t part = 0; part * size < n; ++part) {
             uint32_t& at = next[part * keys + k];
             const uint32_t here = at;
@@ -31,12 +32,21 @@ Done sort_by_few(uint32_t n, uint32_t keys, Key key, uint32_t* order, uint32_t* 
             sum += here;
         }
     }
-    begin[keys] = sum;
+    if (begin) begin[keys] = sum;
     parallel.for_blocks(n, size, [&](size_t first, size_t end) {
         uint32_t* const at = &next[first / size * keys];
-        for (uint32_t i = static_cast<uint32_t>(first); i < end; ++i) order[at[key(i)]++] = i;
+        for (size_t i = first; i < end; ++i) put(i, at[key(i)]++);
     });
     return true;
+}
+
+// The numbers 0 .. n - 1 in this order.
+template <class Key>
+Done sort_by_few(uint32_t n, uint32_t keys, Key key, uint32_t* order, uint32_t* begin, const Parallel& parallel,
+                 Memory& memory) {
+    return place_by_few(
+        n, keys, [&](size_t i) { return key(static_cast<uint32_t>(i)); },
+        [&](size_t i, uint32_t at) { order[at] = static_cast<uint32_t>(i); }, begin, parallel, memory);
 }
 
 } // namespace hmf

@@ -118,30 +118,16 @@ Done HoleJoins::find_borders(Array<Join>& found, Memory& memory) {
         if (!known && !found.push({around_[p] + around_[q], {q, p}, {corner_[r], k}, NONE})) return false;
     }
     // The segments between two cells, in one piece as long as they meet at points of two cells.
-    if (!border_.allocate_filled(memory, cut.segment_count, NONE)
-        || !best_.allocate_filled(memory, cut.segment_count, NONE)
-        || !degree_.allocate_filled(memory, cut.point_count, 0u) || !at_.allocate_filled(memory, cut.point_count, NONE))
-        return false;
-    for (uint32_t s = 0; s < cut.segment_count; ++s) {
+    const auto is_border = [&](uint32_t s) {
         const uint32_t r = cut.region[2 * size_t{s}], q = cut.region[2 * size_t{s} + 1];
-        if (corner_[r] == NONE || owner(r) == owner(q)) continue;
-        border_[s] = s;
-        for (size_t end = 0; end < 2; ++end) ++degree_[cut.point[2 * size_t{s} + end]];
-    }
-    for (uint32_t s = 0; s < cut.segment_count; ++s)
-        for (size_t end = 0; border_[s] != NONE && end < 2; ++end) {
-            const uint32_t p = cut.point[2 * size_t{s} + end];
-            if ((*is_hole_)[p] || degree_[p] != 2) continue;
-            if (at_[p] != NONE) unite(border_.data(), s, at_[p]);
-            at_[p] = s;
-        }
-    for (uint32_t s = 0; s < cut.segment_count; ++s) {
-        if (border_[s] == NONE) continue;
-        uint32_t& best = best_[find_root(border_.data(), s)];
-        if (best == NONE || contact(s).length < contact(best).length) best = s;
-    }
-    for (uint32_t s = 0; s < cut.segment_count; ++s)
-        if (best_[s] != NONE && !found.push(contact(best_[s]))) return false;
+        return corner_[r] != NONE && owner(r) != owner(q);
+    };
+    if (!borders_.find(
+            cut, is_border, [&](uint32_t p) { return (*is_hole_)[p] != 0; },
+            [&](uint32_t s) { return contact(s).length; }, memory))
+        return false;
+    for (const uint32_t s : borders_.best())
+        if (s != NONE && !found.push(contact(s))) return false;
     return true;
 }
 

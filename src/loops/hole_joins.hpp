@@ -8,6 +8,7 @@
 #pragma once
 
 #include "../base/nearest_first.hpp"
+#include "cell_borders.hpp"
 #include "pants_component.hpp"
 
 namespace hmf {
@@ -46,8 +47,7 @@ private:
     Array<uint32_t> piece_, holes_; // per region
     Array<double> distance_;        // per region, to the next hole
     Array<uint32_t> corner_, from_; // per region: where the way to it begins, and the half-segment that it ends with
-    Array<uint32_t> border_, best_; // per segment
-    Array<uint32_t> degree_, at_;   // per point
+    CellBorders borders_;
     NearestFirst heap_;
 };
 

@@ -34,6 +34,7 @@
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
 #include "../base/nearest_first.hpp"
+#include "cell_borders.hpp"
 #include "class_lengths.hpp"
 #include "../curves/cut_surface.hpp"
 #include "../curves/disjoint.hpp"
@@ -303,33 +304,12 @@ private:
             return seed_[r] != NONE && seed_[q] != NONE && seeds_[seed_[r]].side != seeds_[seed_[q]].side
                 && holes_[find_root(piece_.data(), r)] > 3;
         };
-        if (!border_.allocate_filled(memory_, cut_.segment_count, NONE)
-            || !best_.allocate_filled(memory_, cut_.segment_count, NONE)
-            || !degree_.allocate_filled(memory_, mesh_.vertex_count, 0u)
-            || !at_.allocate_filled(memory_, mesh_.vertex_count, NONE))
+        if (!borders_.find(
+                cut_, is_contact, [&](uint32_t p) { return p >= mesh_.vertex_count || mesh_.is_marked(p); },
+                [&](uint32_t s) { return contact(s).length; }, memory_))
             return false;
-        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
-            if (!is_contact(s)) continue;
-            border_[s] = s;
-            for (uint32_t end = 0; end < 2; ++end) {
-                const uint32_t p = cut_.point[2 * size_t{s} + end];
-                if (p < mesh_.vertex_count) ++degree_[p];
-            }
-        }
-        for (uint32_t s = 0; s < cut_.segment_count; ++s)
-            for (uint32_t end = 0; border_[s] != NONE && end < 2; ++end) {
-                const uint32_t p = cut_.point[2 * size_t{s} + end];
-                if (p >= mesh_.vertex_count || degree_[p] != 2 || mesh_.is_marked(p)) continue;
-                if (at_[p] != NONE) unite(border_.data(), s, at_[p]);
-                at_[p] = s;
-            }
-        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
-            if (border_[s] == NONE) continue;
-            uint32_t& best = best_[find_root(border_.data(), s)];
-            if (best == NONE || contact(s).length < contact(best).length) best = s;
-        }
-        for (uint32_t s = 0; s < cut_.segment_count; ++s)
-            if (best_[s] != NONE && !candidates_.push(contact(best_[s]))) return false;
+        for (const uint32_t s : borders_.best())
+            if (s != NONE && !candidates_.push(contact(s))) return false;
         heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
             if (a.length != b.length) return a.length < b.length;
             return a.pair.a != b.pair.a ? a.pair.a < b.pair.a : a.pair.b < b.pair.b;
@@ -567,8 +547,7 @@ private:
     Array<double> face_bound_; // of the cycles through a face, which only get longer as loops are added
     Signatures signatures_;
     LoopSearch search_;
-    Array<uint32_t> border_, best_; // per segment, of pieces of borders between cells
-    Array<uint32_t> degree_, at_;   // per vertex
+    CellBorders borders_;
 };
 
 } // namespace

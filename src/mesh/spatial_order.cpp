@@ -14,6 +14,7 @@
 #include "spatial_order.hpp"
 
 #include "../base/prefetch.hpp"
+#include "../base/sort_few.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -82,34 +83,18 @@ uint32_t spread(uint32_t x) {
     return (x | x << 2) & 0x09249249u;
 }
 
-// By the upper half of the words, digit by digit.  A part of the list counts its
-// words by digit; then all parts know where theirs begin, and move them.
+// By the upper half of the words, digit by digit.
 Done sort_by_cell(Array<uint64_t>& list, Call& call) {
-    constexpr size_t most_parts = 16;
-    const size_t n = list.size(), size = std::max(Parallel::smallest, (n + most_parts - 1) / most_parts);
     Array<uint64_t> other;
-    Array<uint32_t> begin; // of each part and digit
-    if (!other.allocate(call.memory, n) || !begin.allocate(call.memory, most_parts * DIGIT_SIZE)) return false;
+    if (!other.allocate(call.memory, list.size())) return false;
     for (uint32_t d = 0; d < DIGITS; ++d) {
         if (!call.tick(0.012 + 0.002 * d)) return false;
-        const auto digit = [d](uint64_t word) { return (word >> (32 + d * AXIS_BITS)) % DIGIT_SIZE; };
-        call.parallel.for_blocks(n, size, [&](size_t first, size_t end) {
-            uint32_t* const count = &begin[first / size * DIGIT_SIZE];
-            std::memset(count, 0, DIGIT_SIZE * sizeof(uint32_t));
-            for (size_t i = first; i < end; ++i) ++count[digit(list[i])];
-        });
-        uint32_t total = 0;
-        for (uint32_t value = 0; value < DIGIT_SIZE; ++value)
-            for (size_t part = 0; part * size < n; ++part) {
-                uint32_t& at = begin[part * DIGIT_SIZE + value];
-                const uint32_t here = at;
-                at = total;
-                total += here;
-            }
-        call.parallel.for_blocks(n, size, [&](size_t first, size_t end) {
-            uint32_t* const at = &begin[first / size * DIGIT_SIZE];
-            for (size_t i = first; i < end; ++i) other[at[digit(list[i])]++] = list[i];
-        });
+        const uint64_t* const from = list.data();
+        uint64_t* const to = other.data();
+        const uint32_t shift = 32 + d * AXIS_BITS;
+        const auto digit = [=](size_t i) { return static_cast<uint32_t>(from[i] >> shift) % DIGIT_SIZE; };
+        const auto put = [=](size_t i, uint32_t at) { to[at] = from[i]; };
+        if (!place_by_few(list.size(), DIGIT_SIZE, digit, put, nullptr, call.parallel, call.memory)) return false;
         list.swap(other);
     }
     return true;
