@@ -48,9 +48,9 @@ void for_tokens(const uint8_t* bytes, size_t size, const Literal& literal, const
 }
 
 // Lowest bit first.
-class Bits {
+class BitWriter {
 public:
-    explicit Bits(size_t bytes) : out_(bytes + 16, '\0') {}
+    explicit BitWriter(size_t bytes) : out_(bytes + 16, '\0') {}
     void put(uint32_t bits, unsigned count) { // at most 32
         pending_ |= uint64_t{bits} << count_;
         count_ += count;
@@ -96,7 +96,7 @@ std::vector<uint16_t> codes_of(const std::vector<uint8_t>& lengths) {
 }
 
 // The lengths of the codes, told by a code of their own.
-void put_codes(Bits& out, const std::vector<uint8_t>& lengths) {
+void put_codes(BitWriter& out, const std::vector<uint8_t>& lengths) {
     static constexpr unsigned order[19] = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
     // One distance: 1, a code of one bit.
     std::vector<uint8_t> all = lengths;
@@ -172,7 +172,7 @@ std::string deflated_block(const uint8_t* bytes, size_t size, bool is_last) {
     counts[END] = 1;
     const std::vector<uint8_t> lengths = code_lengths(counts, 15);
     const std::vector<uint16_t> codes = codes_of(lengths);
-    Bits out(size / 4);
+    BitWriter out(size / 4);
     out.put(is_last, 1);
     out.put(2, 2); // codes are told
     put_codes(out, lengths);

@@ -21,9 +21,6 @@ std::vector<Table> tables_of(const DescribeAll& all) {
     return tables;
 }
 
-bool by_place(const Option& o) { return o.name[0] != '-'; }
-bool is_flag(const Option& o) { return std::holds_alternative<bool*>(o.target); }
-
 // The words that a value can be; of --loops those that are no FILE.
 std::string words_of_value(const Option& o) {
     std::string words;
@@ -72,12 +69,12 @@ std::string bash(const std::vector<Table>& tables) {
         out += "        " + t.command + ")\n            case $before in\n";
         std::string names;
         for (const Option& o : t.options) {
-            if (by_place(o)) {
+            if (o.by_place()) {
                 names += words_of_value(o) + " ";
                 continue;
             }
             names += std::string(o.name) + " ";
-            if (is_flag(o)) continue;
+            if (o.is_flag()) continue;
             out += "            " + std::string(o.name) + ") words='" + words_of_value(o) + "'"
                  + (takes_file(o) ? "" : " files=") + " ;;\n";
         }
@@ -107,7 +104,7 @@ std::string zsh(const std::vector<Table>& tables) {
             std::string value = o.value;
             for (char& c : value)
                 if (c == ':') c = ' ';
-            if (by_place(o)) {
+            if (o.by_place()) {
                 out += " \\\n            "
                      + quoted(std::string(":") + o.name + ":" + (words.empty() ? "_files" : action), "");
                 continue;
@@ -116,7 +113,7 @@ std::string zsh(const std::vector<Table>& tables) {
             for (const char c : one_line(o.help))
                 spec += c == '[' || c == ']' ? std::string("\\") + c : c == ':' ? "\\:" : std::string(1, c);
             spec += "]";
-            if (!is_flag(o)) spec += ":" + value + ":" + action;
+            if (!o.is_flag()) spec += ":" + value + ":" + action;
             out += " \\\n            " + quoted(spec, "");
         }
         out += "\n        ;;\n";
@@ -133,12 +130,12 @@ std::string fish(const std::vector<Table>& tables) {
         for (const Option& o : t.options) {
             const std::string when = "complete -c hmf -n '__fish_seen_subcommand_from " + t.command + "'";
             const std::string words = words_of_value(o);
-            if (by_place(o)) {
+            if (o.by_place()) {
                 if (!words.empty()) out += when + " -f -a '" + words + "'\n";
                 continue;
             }
             out += when + " -l " + (o.name + 2) + " -d " + quoted(one_line(o.help), "\\");
-            if (!is_flag(o)) out += takes_file(o) ? " -r" : " -x";
+            if (!o.is_flag()) out += takes_file(o) ? " -r" : " -x";
             if (!words.empty()) out += " -a '" + words + "'";
             out += "\n";
         }
@@ -171,7 +168,7 @@ std::string manual_page(const std::string& version, const DescribeAll& all) {
     for (const Table& t : tables) {
         out += ".B hmf " + t.command + "\n";
         for (const Option& o : t.options)
-            if (by_place(o)) out += o.optional ? "[" + roff(o.name) + "]\n" : ".I " + roff(o.name) + "\n";
+            if (o.by_place()) out += o.optional ? "[" + roff(o.name) + "]\n" : ".I " + roff(o.name) + "\n";
         out += "[\\fIOPTIONS\\fR]\n.br\n";
     }
     out +=
@@ -183,7 +180,7 @@ std::string manual_page(const std::string& version, const DescribeAll& all) {
         for (size_t i = 0; i < t.options.size(); ++i) {
             const Option& o = t.options[i];
             out += ".TP\n\\fB" + roff(o.name) + "\\fR";
-            if (!by_place(o) && !is_flag(o)) out += " \\fI" + roff(o.value) + "\\fR";
+            if (!o.by_place() && !o.is_flag()) out += " \\fI" + roff(o.value) + "\\fR";
             out += "\n" + roff(one_line(t.descriptions[i].c_str())) + "\n";
         }
     }

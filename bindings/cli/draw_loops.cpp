@@ -19,7 +19,7 @@ namespace cli {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& sentence) { throw Failure(EXIT_USAGE, "--through: " + sentence); }
+[[noreturn]] void refuse_points(const std::string& sentence) { throw Failure(EXIT_USAGE, "--through: " + sentence); }
 
 // Neighbours of the vertices.
 class Ways {
@@ -107,10 +107,10 @@ uint32_t picked_vertex(const std::string& word, const TriangleMesh& mesh, const 
         uint32_t vertex = 0;
         const std::from_chars_result parsed = std::from_chars(at, stop, vertex);
         if (parsed.ec != std::errc() || parsed.ptr != stop)
-            refuse("\"" + word + "\" is neither the number of a vertex nor a place X,Y,Z");
+            refuse_points("\"" + word + "\" is neither the number of a vertex nor a place X,Y,Z");
         if (vertex >= mesh.vertex_count())
-            refuse("vertex " + word + " does not exist; the mesh has " + std::to_string(mesh.vertex_count())
-                   + ", counted from 0");
+            refuse_points("vertex " + word + " does not exist; the mesh has " + std::to_string(mesh.vertex_count())
+                          + ", counted from 0");
         return vertex;
     }
     double x[3] = {};
@@ -120,10 +120,10 @@ uint32_t picked_vertex(const std::string& word, const TriangleMesh& mesh, const 
         char* end = nullptr;
         const double number = std::strtod(part.c_str(), &end);
         if (part.empty() || *end || !std::isfinite(number) || count == 3)
-            refuse("\"" + word + "\" is no place; give three numbers X,Y,Z without blanks");
+            refuse_points("\"" + word + "\" is no place; give three numbers X,Y,Z without blanks");
         x[count] = number;
     }
-    if (count != 3) refuse("\"" + word + "\" is no place; give three numbers X,Y,Z without blanks");
+    if (count != 3) refuse_points("\"" + word + "\" is no place; give three numbers X,Y,Z without blanks");
     return nearest(mesh, ways, {x[0], x[1], x[2]});
 }
 
@@ -144,20 +144,21 @@ LoopList draw_loops(const std::string& picked, const TriangleMesh& mesh) {
         if (stops.size() > 1 && stops.front() == stops.back()) stops.pop_back();
         const size_t number = loops.count(); // from 0, as the library counts
         if (stops.size() < 3)
-            refuse("loop " + std::to_string(number) + " has " + std::to_string(stops.size())
-                   + " picked vertices that differ; three and more, on all sides, say which way it goes round");
+            refuse_points("loop " + std::to_string(number) + " has " + std::to_string(stops.size())
+                          + " picked vertices that differ; three and more, on all sides, say which way it goes round");
         for (size_t i = 0; i < stops.size(); ++i) {
             const std::vector<uint32_t> way = ways.path(stops[i], stops[(i + 1) % stops.size()]);
             if (way.empty())
-                refuse("loop " + std::to_string(number) + ": no edges lead from vertex " + std::to_string(stops[i])
-                       + " to " + std::to_string(stops[(i + 1) % stops.size()]) + "; pick vertices of one component");
+                refuse_points("loop " + std::to_string(number) + ": no edges lead from vertex "
+                              + std::to_string(stops[i]) + " to " + std::to_string(stops[(i + 1) % stops.size()])
+                              + "; pick vertices of one component");
             loops.elements.insert(loops.elements.end(), way.begin(), way.end());
         }
         loops.offsets.push_back(loops.elements.size());
         loops.arcs.push_back(0);
         loops.lines.push_back(number);
     }
-    if (loops.count() == 0) refuse("nothing is picked; give vertices or places X,Y,Z, separated by blanks");
+    if (loops.count() == 0) refuse_points("nothing is picked; give vertices or places X,Y,Z, separated by blanks");
     return loops;
 }
 

@@ -22,17 +22,17 @@ namespace cli {
 
 namespace {
 
-using Point = std::array<double, 3>;
+using PlanePoint = std::array<double, 3>;
 
-Point place(const Foliation& f, uint32_t vertex) {
+PlanePoint place(const Foliation& f, uint32_t vertex) {
     return {f.positions[3 * size_t(vertex)], f.positions[3 * size_t(vertex) + 1], f.positions[3 * size_t(vertex) + 2]};
 }
 
-Point between(const Point& a, const Point& b, double t) {
+PlanePoint between(const PlanePoint& a, const PlanePoint& b, double t) {
     return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
 
-double distance(const Point& a, const Point& b) {
+double distance_of(const PlanePoint& a, const PlanePoint& b) {
     const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     return std::sqrt(x * x + y * y + z * z);
 }
@@ -84,8 +84,8 @@ private:
 
 // The third corner of a triangle with two sides known: on the far side of the edge from `left` to `right`.
 Planar unfolded(const Foliation& f, Gate gate, Planar left, Planar right, uint32_t third) {
-    const Point l = place(f, gate.left), r = place(f, gate.right), p = place(f, third);
-    const double width = distance(l, r), to_left = distance(l, p), to_right = distance(r, p);
+    const PlanePoint l = place(f, gate.left), r = place(f, gate.right), p = place(f, third);
+    const double width = distance_of(l, r), to_left = distance_of(l, p), to_right = distance_of(r, p);
     if (!(width > 0)) return left;
     const double along = (width * width + to_left * to_left - to_right * to_right) / (2 * width);
     const double off = std::sqrt(std::max(0.0, to_left * to_left - along * along));
@@ -154,7 +154,7 @@ std::vector<double> shortest(const Foliation& f, const Neighbours& beside, const
         // Opened at another gate each time; its point stays, so that the curve only gets shorter.
         const size_t first = n * size_t(round) / ROUNDS;
         std::vector<Planar> left(n + 1), right(n + 1);
-        const double width = distance(place(f, gates[first].left), place(f, gates[first].right));
+        const double width = distance_of(place(f, gates[first].left), place(f, gates[first].right));
         right[0] = {0, -width};
         for (size_t k = 0; k < n; ++k) {
             const Gate here = gates[(first + k) % n], next = gates[(first + k + 1) % n];
@@ -180,9 +180,9 @@ Line line_of(const Foliation& f, const Strip& gates, const std::vector<double>& 
     return line;
 }
 
-double length_of(const Line& line) {
+double length_along(const Line& line) {
     double sum = 0;
-    for (size_t i = 0; i < line.size(); ++i) sum += distance(line[i], line[(i + 1) % line.size()]);
+    for (size_t i = 0; i < line.size(); ++i) sum += distance_of(line[i], line[(i + 1) % line.size()]);
     return sum;
 }
 
@@ -198,8 +198,8 @@ void drop_spurs(Strip& gates) {
     gates.assign(kept.begin() + std::ptrdiff_t(cut), kept.end() - std::ptrdiff_t(cut));
 }
 
-double angle(const Point& a, const Point& v, const Point& b) {
-    const double x = distance(v, a), y = distance(v, b), z = distance(a, b);
+double angle(const PlanePoint& a, const PlanePoint& v, const PlanePoint& b) {
+    const double x = distance_of(v, a), y = distance_of(v, b), z = distance_of(a, b);
     return x > 0 && y > 0 ? std::acos(std::clamp((x * x + y * y - z * z) / (2 * x * y), -1.0, 1.0)) : 0;
 }
 
@@ -210,7 +210,7 @@ Strip other_side(const Foliation& f, const Neighbours& beside, const Strip& gate
     const size_t n = gates.size();
     const Gate before = gates[(a + n - 1) % n], last = gates[(a + count - 1) % n];
     const uint32_t v = is_left ? last.left : last.right, end = beside.third(last.behind, last.left, last.right);
-    const Point middle = place(f, v);
+    const PlanePoint middle = place(f, v);
     uint32_t x = is_left ? before.left : before.right, triangle = before.behind;
     double turned =
         angle(line[(a + n - 1) % n], middle, place(f, x)) + angle(place(f, end), middle, line[(a + count) % n]);
@@ -272,7 +272,7 @@ Line straightened(const Foliation& f, const Neighbours& beside, Strip gates, int
     for (int round = 0; gates.size() >= 3; ++round) {
         const std::vector<double> fraction = shortest(f, beside, gates);
         const Line line = line_of(f, gates, fraction);
-        if (!best.empty() && !(length_of(line) < (1 - 1e-9) * length_of(best))) break;
+        if (!best.empty() && !(length_along(line) < (1 - 1e-9) * length_along(best))) break;
         best = line;
         if (round == rounds || !pass_corners(f, beside, gates, fraction, line)) break;
     }

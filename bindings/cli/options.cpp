@@ -27,9 +27,7 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
-bool is_flag(const Option& o) { return std::holds_alternative<bool*>(o.target); }
 bool is_optional_number(const Option& o) { return std::holds_alternative<std::optional<double>*>(o.target); }
-bool by_place(const Option& o) { return o.name[0] != '-'; }
 
 bool is_number(const std::string& word) {
     char* end = nullptr;
@@ -37,7 +35,7 @@ bool is_number(const std::string& word) {
     return !word.empty() && *end == '\0';
 }
 
-[[noreturn]] void refuse(const std::string& sentence) { throw Failure(EXIT_USAGE, sentence); }
+[[noreturn]] void refuse_usage(const std::string& sentence) { throw Failure(EXIT_USAGE, sentence); }
 
 Option* find(Options& options, const std::string& name) {
     const auto at = std::find_if(options.begin(), options.end(), [&](const Option& o) { return name == o.name; });
@@ -68,7 +66,7 @@ std::string advice(const Options& options, const std::string& name) {
         const std::string known = o.name;
         const bool begins =
             name.size() > 3 && (known.compare(0, name.size(), name) == 0 || name.compare(0, known.size(), known) == 0);
-        const size_t distance = by_place(o) ? least : begins ? 0 : letters_between(name, known);
+        const size_t distance = o.by_place() ? least : begins ? 0 : letters_between(name, known);
         if (distance >= least) continue;
         least = distance;
         best = &o;
@@ -79,13 +77,13 @@ std::string advice(const Options& options, const std::string& name) {
 double number_of(const Option& o, const std::string& word) {
     char* end = nullptr;
     const double x = std::strtod(word.c_str(), &end);
-    if (word.empty() || *end) refuse(std::string(o.name) + ": \"" + word + "\" is not a number");
+    if (word.empty() || *end) refuse_usage(std::string(o.name) + ": \"" + word + "\" is not a number");
     if (o.range[0]) {
         const std::string range = o.range;
         const double low = std::strtod(o.range + 1, &end), high = std::strtod(end + 1, nullptr);
         const bool above = range.front() == '(' ? x > low : x >= low,
                    below = range.back() == ')' ? x < high : x <= high;
-        if (!above || !below) refuse(std::string(o.name) + ": " + word + " is not in " + range);
+        if (!above || !below) refuse_usage(std::string(o.name) + ": " + word + " is not in " + range);
     }
     return x;
 }
@@ -102,8 +100,9 @@ struct Set {
     void operator()(uint64_t* target) const {
         const std::from_chars_result parsed = std::from_chars(word.data(), word.data() + word.size(), *target);
         if (parsed.ec != std::errc() || parsed.ptr != word.data() + word.size())
-            refuse(std::string(o.name) + ": \"" + word
-                   + (parsed.ec == std::errc::result_out_of_range ? "\" is too large" : "\" is not a whole number"));
+            refuse_usage(
+                std::string(o.name) + ": \"" + word
+                + (parsed.ec == std::errc::result_out_of_range ? "\" is too large" : "\" is not a whole number"));
         if (o.range[0]) number_of(o, word);
     }
     void operator()(std::vector<double>* target) const {
@@ -119,7 +118,7 @@ struct Set {
             }
             names.push_back(name);
         }
-        refuse(std::string(o.name) + ": \"" + word + "\" is none of its values; give " + joined(names));
+        refuse_usage(std::string(o.name) + ": \"" + word + "\" is none of its values; give " + joined(names));
     }
 };
 
@@ -151,12 +150,13 @@ std::vector<std::string> beside(const Option& o, const std::string& path) {
 void check_file(const Option& o, const std::string& path) {
     if (path == "-") {
         if (o.beside[0])
-            refuse(std::string(o.name) + ": writes several files, which do not fit into standard output; give a name");
+            refuse_usage(std::string(o.name)
+                         + ": writes several files, which do not fit into standard output; give a name");
         return;
     }
     const std::vector<std::string> extensions = words_of(o.extensions);
     if (!extensions.empty() && std::count(extensions.begin(), extensions.end(), extension_of(path)) == 0)
-        refuse(std::string(o.name) + ": \"" + path + "\" must end in " + joined(extensions));
+        refuse_usage(std::string(o.name) + ": \"" + path + "\" must end in " + joined(extensions));
 }
 
 void check_files(const Options& options) {
@@ -167,15 +167,15 @@ void check_files(const Options& options) {
             if (o.role == Option::INPUT) inputs.push_back(path);
         }
     if (std::count(inputs.begin(), inputs.end(), "-") > 1)
-        refuse("-: standard input can be read once only; give files for the other inputs");
+        refuse_usage("-: standard input can be read once only; give files for the other inputs");
     const std::vector<std::string> outputs = outputs_of(options);
     for (size_t i = 0; i < outputs.size(); ++i) {
         if (std::count(outputs.begin(), outputs.end(), outputs[i]) > 1)
-            refuse(outputs[i] + ": is asked for by two options; give two names");
+            refuse_usage(outputs[i] + ": is asked for by two options; give two names");
         for (const std::string& input : inputs) {
             std::error_code code;
             if (outputs[i] != "-" && (outputs[i] == input || std::filesystem::equivalent(outputs[i], input, code)))
-                refuse(outputs[i] + ": is an input as well; give another name to the output");
+                refuse_usage(outputs[i] + ": is an input as well; give another name to the output");
         }
     }
 }
@@ -196,26 +196,26 @@ void parse(Options& options, const std::vector<std::string>& words, const std::s
         if (is_name) option = find(options, name);
         else
             for (Option& o : options)
-                if (!option && by_place(o) && o.given.empty()) option = &o;
-        if (!option && is_name) refuse("there is no option " + name + advice(options, name) + help);
-        if (!option) refuse("nothing is expected here: " + name + help);
+                if (!option && o.by_place() && o.given.empty()) option = &o;
+        if (!option && is_name) refuse_usage("there is no option " + name + advice(options, name) + help);
+        if (!option) refuse_usage("nothing is expected here: " + name + help);
         if (!option->given.empty() && !std::holds_alternative<std::vector<std::string>*>(option->target))
-            refuse(name + ": is given twice; give it once");
+            refuse_usage(name + ": is given twice; give it once");
         if (!is_name) value = name;
-        else if (is_flag(*option)) {
-            if (equals != std::string::npos) refuse(name + ": takes no value");
+        else if (option->is_flag()) {
+            if (equals != std::string::npos) refuse_usage(name + ": takes no value");
         } else if (equals == std::string::npos && is_optional_number(*option)) {
             value = i + 1 < words.size() && is_number(words[i + 1]) ? words[++i] : "0";
         } else if (equals == std::string::npos) {
             if (i + 1 == words.size() || words[i + 1].rfind("--", 0) == 0)
-                refuse(name + ": a value is missing; write " + name + " " + option->value);
+                refuse_usage(name + ": a value is missing; write " + name + " " + option->value);
             value = words[++i];
         }
         std::visit(Set{*option, value}, option->target);
         option->given.push_back(value);
     }
     for (const Option& o : options) {
-        if (by_place(o) && !o.optional && o.given.empty()) refuse(std::string(o.name) + " is missing" + help);
+        if (o.by_place() && !o.optional && o.given.empty()) refuse_usage(std::string(o.name) + " is missing" + help);
         if (o.given.empty()) continue;
         bool can_be_there = false, is_there = false;
         for (const std::string& needed : words_of(o.needs))
@@ -224,11 +224,11 @@ void parse(Options& options, const std::vector<std::string>& words, const std::s
                 is_there = is_there || !other->given.empty();
             }
         if (can_be_there && !is_there)
-            refuse(std::string(o.name) + ": has no effect without " + joined(words_of(o.needs))
-                   + "; give that as well");
+            refuse_usage(std::string(o.name) + ": has no effect without " + joined(words_of(o.needs))
+                         + "; give that as well");
         for (const std::string& other : words_of(o.excludes))
             if (const Option* p = find(options, other); p && !p->given.empty())
-                refuse(std::string(o.name) + ": does not go together with " + other + "; give one of them");
+                refuse_usage(std::string(o.name) + ": does not go together with " + other + "; give one of them");
     }
     check_files(options);
 }
@@ -244,11 +244,11 @@ std::string description_of(const Option& o) {
 void print_help(const Options& options, const std::string& command, const std::string& about) {
     std::printf("%s\n\nusage: hmf %s", about.c_str(), command.c_str());
     for (const Option& o : options)
-        if (by_place(o)) std::printf(o.optional ? " [%s]" : " %s", o.name);
+        if (o.by_place()) std::printf(o.optional ? " [%s]" : " %s", o.name);
     std::printf(" [OPTIONS]\n\n");
     for (const Option& o : options) {
         const std::string text = description_of(o);
-        const std::string head = std::string("  ") + o.name + (by_place(o) || is_flag(o) ? "" : " ") + o.value;
+        const std::string head = std::string("  ") + o.name + (o.by_place() || o.is_flag() ? "" : " ") + o.value;
         std::printf("%s", head.c_str());
         if (head.size() > 26) std::printf("\n%*s", 28, "");
         else std::printf("%*s", static_cast<int>(28 - head.size()), "");
@@ -260,7 +260,7 @@ void print_help(const Options& options, const std::string& command, const std::s
 readers::Json values_of(const Options& options) {
     readers::Json all = {};
     for (const Option& o : options)
-        if (!by_place(o) && (o.role != Option::OUTPUT || !o.given.empty()))
+        if (!o.by_place() && (o.role != Option::OUTPUT || !o.given.empty()))
             all.set(o.name + 2, std::visit(Get{o}, o.target));
     return all;
 }

@@ -40,6 +40,9 @@ struct Option {
     bool optional = false;       // goes by its place, but has a default
     std::vector<std::string> given{};
 
+    bool is_flag() const { return std::holds_alternative<bool*>(target); }
+    bool by_place() const { return name[0] != '-'; }
+
     Option in(const char* r) const { return changed(&Option::range, r); }
     Option requires_one_of(const char* n) const { return changed(&Option::needs, n); }
     Option without(const char* n) const { return changed(&Option::excludes, n); }

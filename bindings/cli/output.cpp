@@ -13,7 +13,7 @@ namespace cli {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const char* what) {
+[[noreturn]] void refuse_path(const std::string& path, const char* what) {
     throw Failure(EXIT_RESOURCES, path + ": " + what + " (" + std::strerror(errno)
                                       + "); check the folder, the rights and the free space");
 }
@@ -21,7 +21,7 @@ namespace {
 } // namespace
 
 Output::Output(const std::string& path) : path_(path), file_(path == "-" ? stdout : std::fopen(path.c_str(), "wb")) {
-    if (!file_) refuse(path_, "cannot be written");
+    if (!file_) refuse_path(path_, "cannot be written");
     if (file_ == stdout) return;
     std::setvbuf(file_, nullptr, _IOFBF, 1u << 18);
 }
@@ -34,7 +34,7 @@ void Output::close() {
     const bool failed = std::fflush(file_) != 0 || std::ferror(file_) != 0;
     const bool unclosed = file_ != stdout && std::fclose(file_) != 0;
     file_ = nullptr;
-    if (failed || unclosed) refuse(path_, "cannot be written to the end");
+    if (failed || unclosed) refuse_path(path_, "cannot be written to the end");
 }
 
 float single_precision(double coordinate) {
@@ -69,7 +69,7 @@ void check_writable(const std::string& path) {
     std::error_code code;
     const bool existed = std::filesystem::exists(path, code);
     std::FILE* file = std::fopen(path.c_str(), "ab");
-    if (!file) refuse(path, "cannot be written");
+    if (!file) refuse_path(path, "cannot be written");
     std::fclose(file);
     if (!existed) std::remove(path.c_str());
 }

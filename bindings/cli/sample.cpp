@@ -18,7 +18,7 @@ namespace cli {
 
 namespace {
 
-using Point = std::array<double, 3>;
+using GridPoint = std::array<double, 3>;
 
 constexpr double CELL = 0.0425, LOW_XY = -2.15, LOW_Z = -1.3;
 constexpr size_t COUNT_XY = 102, COUNT_Z = 62;
@@ -28,7 +28,7 @@ double smooth_minimum(double a, double b, double width) {
     return std::min(a, b) - h * h * width / 4;
 }
 
-double sample_function(const Point& p) {
+double sample_function(const GridPoint& p) {
     const double x = p[0], y = p[1], z = p[2] - 0.11 * (x * x * x - 3 * x * y * y) / (1 + 0.2 * (x * x + y * y));
     static constexpr double SIN[3] = {0, 0.86602540378443865, -0.86602540378443865}, COS[3] = {1, -0.5, -0.5};
     // Unequal rings keep the zeros apart; equal ones would draw four of them into one point.
@@ -43,10 +43,10 @@ double sample_function(const Point& p) {
     return value;
 }
 
-Point gradient(const Point& p) {
-    Point g{};
+GridPoint gradient(const GridPoint& p) {
+    GridPoint g{};
     for (size_t a = 0; a < 3; ++a) {
-        Point low = p, high = p;
+        GridPoint low = p, high = p;
         low[a] -= 1e-4;
         high[a] += 1e-4;
         g[a] = (sample_function(high) - sample_function(low)) / 2e-4;
@@ -54,9 +54,9 @@ Point gradient(const Point& p) {
     return g;
 }
 
-void move_to_surface(Point& p) {
+void move_to_surface(GridPoint& p) {
     for (int step = 0; step < 4; ++step) {
-        const Point g = gradient(p);
+        const GridPoint g = gradient(p);
         const double square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
         if (square < 1e-12) return;
         const double scale = std::clamp(sample_function(p) / square, -CELL, CELL);
@@ -64,7 +64,7 @@ void move_to_surface(Point& p) {
     }
 }
 
-double distance_square(const Point& a, const Point& b) {
+double distance_square(const GridPoint& a, const GridPoint& b) {
     double sum = 0;
     for (size_t i = 0; i < 3; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
     return sum;
@@ -106,8 +106,8 @@ TriangleMesh make_sample() {
     std::vector<double> value(n[0] * n[1] * n[2]);
     double shift = 0;
     const auto grid_point = [&](size_t i, size_t j, size_t k) {
-        return Point{LOW_XY - shift + CELL * double(i), LOW_XY - shift + CELL * double(j),
-                     LOW_Z - shift / 2 + CELL * double(k)};
+        return GridPoint{LOW_XY - shift + CELL * double(i), LOW_XY - shift + CELL * double(j),
+                         LOW_Z - shift / 2 + CELL * double(k)};
     };
     // Moves the grid until no plane of it touches the surface at a saddle.
     for (int attempt = 0; attempt < 20; ++attempt) {
@@ -122,12 +122,12 @@ TriangleMesh make_sample() {
     // A vertex in each cell with both signs, at the mean of its cut edges.
     constexpr uint32_t NO_VERTEX = 0xffffffffu;
     std::vector<uint32_t> vertex(value.size(), NO_VERTEX);
-    std::vector<Point> points;
+    std::vector<GridPoint> points;
     for (size_t k = 0; k + 1 < n[2]; ++k)
         for (size_t j = 0; j + 1 < n[1]; ++j)
             for (size_t i = 0; i + 1 < n[0]; ++i) {
                 const size_t cell = i + j * stride[1] + k * stride[2];
-                Point sum{};
+                GridPoint sum{};
                 double cuts = 0;
                 for (size_t a = 0; a < 3; ++a)
                     for (size_t side = 0; side < 4; ++side) {
@@ -138,7 +138,7 @@ TriangleMesh make_sample() {
                         const size_t start = at[0] + at[1] * stride[1] + at[2] * stride[2];
                         const double low = value[start], high = value[start + stride[a]];
                         if ((low < 0) == (high < 0)) continue;
-                        Point p = grid_point(at[0], at[1], at[2]);
+                        GridPoint p = grid_point(at[0], at[1], at[2]);
                         p[a] += CELL * low / (low - high);
                         for (size_t d = 0; d < 3; ++d) sum[d] += p[d];
                         cuts += 1;
@@ -170,9 +170,9 @@ TriangleMesh make_sample() {
             neighbours[quad[c]].push_back(quad[(c + 3) % 4]);
         }
     for (int pass = 0; pass < 12; ++pass) {
-        std::vector<Point> next = points;
+        std::vector<GridPoint> next = points;
         for (size_t v = 0; v < points.size(); ++v) {
-            Point mean{};
+            GridPoint mean{};
             for (uint32_t w : neighbours[v])
                 for (size_t a = 0; a < 3; ++a) mean[a] += points[w][a] / double(neighbours[v].size());
             for (size_t a = 0; a < 3; ++a) next[v][a] = 0.3 * points[v][a] + 0.7 * mean[a];
@@ -182,7 +182,7 @@ TriangleMesh make_sample() {
     }
 
     TriangleMesh mesh;
-    for (const Point& p : points) mesh.positions.insert(mesh.positions.end(), p.begin(), p.end());
+    for (const GridPoint& p : points) mesh.positions.insert(mesh.positions.end(), p.begin(), p.end());
     for (const auto& q : quads) {
         const bool other = distance_square(points[q[1]], points[q[3]]) < distance_square(points[q[0]], points[q[2]]);
         if (other) mesh.triangles.insert(mesh.triangles.end(), {q[0], q[1], q[3], q[1], q[2], q[3]});

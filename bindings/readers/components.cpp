@@ -4,11 +4,7 @@
 
 namespace readers {
 
-namespace {
-
-constexpr uint32_t NONE = UINT32_MAX;
-
-} // namespace
+namespace {} // namespace
 
 std::vector<uint32_t> component_of_triangles(const std::vector<uint32_t>& triangles, size_t vertex_count) {
     Classes parts(vertex_count);

@@ -17,6 +17,8 @@
 
 namespace readers {
 
+constexpr uint32_t NONE = UINT32_MAX; // no vertex, triangle or side
+
 struct TriangleMesh {
     std::vector<double> positions;   // 3 per vertex, in the order of the file, all finite
     std::vector<uint32_t> triangles; // 3 per triangle; polygons are cut as polygon.hpp says

@@ -13,8 +13,6 @@ namespace readers {
 
 namespace {
 
-constexpr uint32_t NONE = UINT32_MAX;
-
 // Points that are not further apart than the distance, and what these join, are in one class.
 Classes near_points(const std::vector<double>& points, double distance) {
     const size_t count = points.size() / 3;

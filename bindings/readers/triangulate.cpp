@@ -24,7 +24,6 @@ namespace readers {
 
 namespace {
 
-constexpr uint32_t NONE = UINT32_MAX;
 constexpr uint32_t most_in_fan = 8; // corners; beyond, the first one has many thin triangles
 constexpr double thinnest = 0.01;   // triangle in a fan: height over longest side
 
