@@ -13,7 +13,7 @@ void free_part(Kept* kept, const hmf_hierarchy& h) {
     own.give(part, sizeof *part);
 }
 
-hmf_status build(const hmf_foliation& foliation, FlatSurface& flat, Call& call) {
+hmf_status build_flat(const hmf_foliation& foliation, FlatSurface& flat, Call& call) {
     State state;
     if (load_solved_in_unit_of_values(foliation, state, call) || flat_surface(state, flat, call)) return call.status();
     return flat_surface_to_input(state, flat, call) ? HMF_OK : call.stopped();
@@ -36,7 +36,7 @@ hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatS
         SharedFlat* made = new (block) SharedFlat(h, before);
         Call call = entry.part(made->memory, 0.8);
         made->memory.keep_arrays();
-        const hmf_status status = build(foliation, made->flat, call);
+        const hmf_status status = build_flat(foliation, made->flat, call);
         made->memory.release_kept();
         if (status) {
             free_part(made, h);

@@ -27,7 +27,7 @@ constexpr double LONG = 1.6;                   // sides of the square: longer ch
 constexpr double MOST_PARTS = 1000;            // each
 constexpr int MOST_CUTS = 12, PARTS_TRIED = 3; // of the longest parts, for each cut
 constexpr double SHORTEST = 8;                 // triangles
-constexpr double LONGEST = 1000;               // sides of the square: nothing beside it could be seen
+constexpr double LONGEST_CHART = 1000;         // sides of the square: nothing beside it could be seen
 constexpr size_t FEW_PARTS = 8;
 constexpr int FINE_STEPS = 32, COARSE_STEPS = 12; // places tried: with few parts, with more
 
@@ -47,7 +47,7 @@ hmf_status ChartPlan::try_packing(uint64_t effort, double& side) {
     double widest = 2 * size; // square that is reckoned with: it holds the longest part
     for (const ChartPart& part : parts) {
         const double length = length_of(part);
-        if (!(length < LONGEST * size))
+        if (!(length < LONGEST_CHART * size))
             return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, part.chart,
                               "A chart is %.3g times as long as a square of the area of the surface. Repair triangles "
                               "that are nearly without area.",

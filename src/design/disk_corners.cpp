@@ -10,8 +10,8 @@ namespace {
 
 // Where the square of the boundary is less than this part of the area, a disk is a sphere with a small hole.
 constexpr double SHORT_BOUNDARY = 2;
-constexpr double SHARP = 0.9, LEAST_TURN = 0.35; // sharpness of a corner: turns by 53 and 20 degrees
-constexpr double NEAR = 0.1;                     // of the length of the boundary
+constexpr double CORNER_SHARP = 0.9, LEAST_TURN = 0.35; // sharpness of a corner: turns by 53 and 20 degrees
+constexpr double CORNER_NEAR = 0.1;                     // of the length of the boundary
 
 // The boundary of a disk in order, by the caller's numbers; h is its double.
 Done boundary_of_disk(const hmf_hierarchy& h, Array<uint32_t>& boundary, Call& call) {
@@ -141,7 +141,7 @@ Done divide_boundary(const hmf_hierarchy& h, const Array<uint32_t>& boundary, co
         const auto off = [&](size_t k) { return std::fabs(along[k] / disk.length - 0.25 * static_cast<double>(m)); };
         const auto score = [&](size_t k) {
             const double sharp = sharpness[(first + k) % n];
-            return (off(k) < NEAR && sharp > LEAST_TURN ? sharp : 0) - off(k);
+            return (off(k) < CORNER_NEAR && sharp > LEAST_TURN ? sharp : 0) - off(k);
         };
         size_t best = from;
         for (size_t k = from; k <= n - 4 + m; ++k) // as many are left as marks are missing
@@ -162,7 +162,7 @@ Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call)
     Sharpness sharpness(h, boundary);
     if (!sharpness.find(call.memory)) return false;
     for (size_t k = 0; k < boundary.size(); ++k)
-        if (sharpness.of[k] > SHARP && !marks.push(boundary[k])) return false;
+        if (sharpness.of[k] > CORNER_SHARP && !marks.push(boundary[k])) return false;
     if (marks.size() == 4) return true;
     marks.clear();
     return divide_boundary(h, boundary, sharpness.of, disk, call.memory, marks);

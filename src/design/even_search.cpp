@@ -32,8 +32,8 @@ constexpr double STILL_UNEVEN = 0.28, SHALLOW = 0.2, MOST_AGAIN = 150;
 constexpr double DEPTH = 0.2;     // least, below the mean
 constexpr double TWO_POLES = 2.0; // depth from which on two poles are tried first
 constexpr size_t SEARCH_MOST_TIPS = 24;
-constexpr double PRICE = 0.012;      // of a pole, in unevenness
-constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
+constexpr double PRICE = 0.012;             // of a pole, in unevenness
+constexpr double LONGEST_SEARCH_STEP = 1.2; // of the logarithm of a weight
 constexpr double DAMPING = 1e-3;
 // Of the disk between two poles: it covers the end of a limb.
 constexpr EdgeDistances::DiskLimit CAP{8, 0.02, 2.4};
@@ -186,9 +186,9 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double riva
             if (trial.best_step(damping, step) || step.size() != kept.size()) return call_.status();
             double longest = 0;
             for (const double x : step) longest = std::max(longest, std::fabs(x));
-            const double shrink = longest > LONGEST_STEP * 3 ? LONGEST_STEP * 3 / longest : 1;
+            const double shrink = longest > LONGEST_SEARCH_STEP * 3 ? LONGEST_SEARCH_STEP * 3 / longest : 1;
             for (size_t c = 0; c < kept.size(); ++c) {
-                const double x = std::min(std::max(step[c] * shrink, -LONGEST_STEP), LONGEST_STEP);
+                const double x = std::min(std::max(step[c] * shrink, -LONGEST_SEARCH_STEP), LONGEST_SEARCH_STEP);
                 trial.weights[c] = choice.weights[c] * (1 + x / 2) / (1 - x / 2);
             }
             count(trial);

@@ -38,13 +38,13 @@ constexpr uint32_t largest_smoothed_degree = 48;
 constexpr size_t expected_entries = 4;
 constexpr uint32_t rows_of_block = 4096;
 
-constexpr uint8_t on_column = 1, on_row = 2; // the row depends strongly on the column, the column on the row
+constexpr uint8_t on_column = 1, on_matrix_row = 2; // the row depends strongly on the column, the column on the row
 
 struct Aggregates {
     uint32_t count = 0;
     Array<uint32_t> of;    // aggregate per unknown, or left_out
     Array<int8_t> sign;    // per unknown
-    Array<uint8_t> strong; // per entry of the matrix: on_column, on_row
+    Array<uint8_t> strong; // per entry of the matrix: on_column, on_matrix_row
 };
 
 // Which unknowns depend strongly on which, and which hardly on any.  Measured
@@ -82,7 +82,7 @@ Done find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, fl
                 const double size = std::fabs(matrix.entry[k]), share = size * other.kernel;
                 sum += share;
                 strong[k] = static_cast<uint8_t>((share >= own.least) * on_column
-                                                 + (size * own.kernel >= other.least) * on_row);
+                                                 + (size * own.kernel >= other.least) * on_matrix_row);
             }
             of[i] = own.kernel > 0 && sum > 0.1 * own.kernel * matrix.diagonal[i] ? undecided : left_out;
         }
@@ -94,7 +94,7 @@ void take_in(const SignedMatrix& matrix, uint32_t root, bool strong_only, Aggreg
     a.of[root] = a.count;
     for (uint32_t k = matrix.offset[root]; k < matrix.offset[root + 1]; ++k) {
         const uint32_t j = matrix.column[k];
-        if (a.of[j] != undecided || (strong_only && !(a.strong[k] & on_row))) continue;
+        if (a.of[j] != undecided || (strong_only && !(a.strong[k] & on_matrix_row))) continue;
         a.of[j] = a.count;
         a.sign[j] = matrix.entry[k] < 0 ? 1 : -1;
     }
@@ -202,7 +202,7 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
         bool has_strong = false, taken = false;
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
             const uint32_t of = a.of[matrix.column[k]];
-            const bool strong = a.strong[k] & on_row;
+            const bool strong = a.strong[k] & on_matrix_row;
             has_strong |= strong & (of == undecided);
             taken |= strong & (of < left_out);
         }
@@ -215,7 +215,7 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
         if (a.of[i] != undecided) continue;
         bool has_strong = false;
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1] && !has_strong; ++k)
-            has_strong = a.of[matrix.column[k]] == undecided && (a.strong[k] & on_row);
+            has_strong = a.of[matrix.column[k]] == undecided && (a.strong[k] & on_matrix_row);
         if (has_strong) take_in(matrix, i, true, a);
     }
     // What is left has weak neighbours only.

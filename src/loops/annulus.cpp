@@ -8,7 +8,7 @@ namespace hmf {
 namespace {
 
 // Turns that a search may visit, and the one in which it starts.
-constexpr uint32_t TURNS = 4, FIRST_TURN = 1;
+constexpr uint32_t ANNULUS_TURNS = 4, FIRST_TURN = 1;
 // Of the distances from the landmark, in shortest ways round from it.
 constexpr double RADIUS = 1.25;
 constexpr uint32_t CLOSED = static_cast<uint32_t>(-1); // a stamp
@@ -196,8 +196,8 @@ Done Annulus::grow(size_t capacity) {
 // as long one turn on, so that each turn of the landmark gives a bound.
 double Annulus::way_left(uint32_t state, uint32_t goal) const {
     double bound = 0;
-    const uint32_t back = std::min(state % TURNS, goal % TURNS);
-    const uint32_t on = TURNS - 1 - std::max(state % TURNS, goal % TURNS);
+    const uint32_t back = std::min(state % ANNULUS_TURNS, goal % ANNULUS_TURNS);
+    const uint32_t on = ANNULUS_TURNS - 1 - std::max(state % ANNULUS_TURNS, goal % ANNULUS_TURNS);
     const double *a = landmark_.data() + (state - back), *b = landmark_.data() + (goal - back);
     for (uint32_t k = 0; k <= back + on; ++k) bound = std::max(bound, a[k] > b[k] ? a[k] - b[k] : b[k] - a[k]);
     return bound;
@@ -205,7 +205,7 @@ double Annulus::way_left(uint32_t state, uint32_t goal) const {
 
 // The shortest way from turn 0 of a copy to turn 1 of it, if it is shorter than `best`.
 Done Annulus::search_from(uint32_t root, bool is_landmark, double& best, Array<uint32_t>& out) {
-    const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
+    const uint32_t start = root * ANNULUS_TURNS + FIRST_TURN, goal = start + 1;
     const uint32_t reached = ++stamp_, settled = ++stamp_;
     const auto left = [&](uint32_t state) { return is_landmark ? 0 : way_left(state, goal); };
     double radius = is_landmark ? RADIUS * best : best;
@@ -226,19 +226,19 @@ Done Annulus::search_from(uint32_t root, bool is_landmark, double& best, Array<u
             radius = std::min(radius, RADIUS * top.distance);
         }
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
-        const Copy& copy = copies_[state / TURNS];
+        const Copy& copy = copies_[state / ANNULUS_TURNS];
         for (uint32_t s = 0; s < 4; ++s) {
             const uint32_t next = s == 3 ? copy.same : s < copy.sides && copy.to[s] != NONE ? copy.to[s] / 4 : NONE;
             if (next == NONE) continue;
-            const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
-            if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
-            const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
+            const int turn = static_cast<int>(state % ANNULUS_TURNS) + copy.turns[s];
+            if (turn < 0 || turn >= static_cast<int>(ANNULUS_TURNS)) continue;
+            const uint32_t to = next * ANNULUS_TURNS + static_cast<uint32_t>(turn);
             const double d = s == 3 ? state_[state].distance : state_[state].distance + copy.length[s];
             const uint32_t stamp = state_[to].stamp;
             if (stamp >= settled || (stamp == reached && !(d < state_[to].distance))) continue;
             const double whole = d + left(to);
             if (whole >= radius) continue;
-            state_[to] = {d, 4 * (state / TURNS) + s, reached};
+            state_[to] = {d, 4 * (state / ANNULUS_TURNS) + s, reached};
             if (!heap_.push({whole, to})) return false;
         }
     }
@@ -255,7 +255,8 @@ Done Annulus::read_way(uint32_t start, uint32_t goal, Array<uint32_t>& out) cons
         const uint32_t link = state_[state].from;
         const Copy& copy = copies_[link / 4];
         if (link % 4 != 3 && !out.push(copy.side[link % 4].half_edge)) return false;
-        state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
+        state = link / 4 * ANNULUS_TURNS
+              + static_cast<uint32_t>(static_cast<int>(state % ANNULUS_TURNS) - copy.turns[link % 4]);
     }
     std::reverse(out.begin(), out.end());
     return true;
@@ -264,7 +265,7 @@ Done Annulus::read_way(uint32_t start, uint32_t goal, Array<uint32_t>& out) cons
 // From each copy where turns are counted.  A shorter loop than the best so far
 // passes none from which the search has been: they are closed.
 Done Annulus::search(double limit, Array<uint32_t>& out) {
-    const size_t states = copies_.size() * TURNS;
+    const size_t states = copies_.size() * ANNULUS_TURNS;
     if (!state_.allocate_filled(call_.memory, states, SearchState{HUGE_VAL, NONE, 0})
         || !landmark_.allocate_filled(call_.memory, states, HUGE_VAL))
         return false;
@@ -278,7 +279,7 @@ Done Annulus::search(double limit, Array<uint32_t>& out) {
         if (!counts) continue;
         if (!search_from(root, is_landmark, best, out)) return false;
         is_landmark = false;
-        for (uint32_t turn = 0; turn < TURNS; ++turn) state_[root * TURNS + turn].stamp = CLOSED;
+        for (uint32_t turn = 0; turn < ANNULUS_TURNS; ++turn) state_[root * ANNULUS_TURNS + turn].stamp = CLOSED;
     }
     return true;
 }

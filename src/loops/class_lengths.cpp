@@ -18,7 +18,7 @@ constexpr double SAME = 1e-4;                                           // short
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t LENGTH_ROUNDS = 100;
-constexpr double OTHER = 0.01;                    // relative: another strip, or another length where it was found
+constexpr double OTHER_CLASS = 0.01;              // relative: another strip, or another length where it was found
 constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
@@ -154,7 +154,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     size_t place = 0;
     if (!find_class(crossings, n, id, place)) return false;
     const double strip = strip_length(crossings, n);
-    if (id != NONE && !(strip < classes_[id].strip * (1 - OTHER))) {
+    if (id != NONE && !(strip < classes_[id].strip * (1 - OTHER_CLASS))) {
         // Another strip of a class may lead to another of its geodesics.  A shorter one is always pulled.  Of the
         // others the first ones are, unless half of one is the same; with marked vertices, on which they may hang,
         // unless all of it is.
@@ -175,7 +175,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         Class& c = classes_[id];
         if (c.starts < UINT8_MAX) ++c.starts;
         c.strip = std::min(c.strip, strip);
-        if (c.stage != made.stage && made.length < c.found * (1 - OTHER)) { // a longer one was measured
+        if (c.stage != made.stage && made.length < c.found * (1 - OTHER_CLASS)) { // a longer one was measured
             c.stage = made.stage;
             c.length = HUGE_VAL;
             c.wanted = true;

@@ -39,7 +39,7 @@ constexpr double ROOTS = 1.15; // no search where loops are known to be longer t
 // Of many handles some are so narrow that strips round them are half as long again as they should be, or one twice as
 // long.  That one comes last, and its search reaches further, and leaves out less.
 constexpr uint32_t MANY_CUT_HANDLES = 10;
-constexpr double MANY_ROOTS = 1.5, FAR = 2.6, FAR_ROOTS = 2;
+constexpr double MANY_ROOTS = 1.5, CUT_FAR = 2.6, FAR_ROOTS = 2;
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops that are left
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
@@ -48,8 +48,8 @@ constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr double POLISH = 6;           // starved searches round a loop end at so many times the work of the others
 constexpr double HOPELESS = 32;        // so many times the work of the others, and no loop: it ends
 constexpr size_t MOST_BOUNDS = 1000000;
-constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
-constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
+constexpr uint64_t CUT_MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
+constexpr int MOST_ROUNDS = 8;           // of measuring and choosing again
 
 struct Root {
     double known; // length of a loop through it, whatever its labels; 0 beside gates
@@ -110,7 +110,7 @@ public:
                 Choice& choice = choice_[k - fixed];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
-                if (steps + wanted - k > MOST_STEPS + wanted + wanted / 2) return HMF_OK;
+                if (steps + wanted - k > CUT_MOST_STEPS + wanted + wanted / 2) return HMF_OK;
                 choice.taken = taken;
                 if (!go_back(k, fixed)) return call_.out_of_memory();
                 ++k;
@@ -455,7 +455,7 @@ private:
         return true;
     }
 
-    double slack() const { return is_quick() ? 1 : is_far_ ? FAR : SLACK; }
+    double slack() const { return is_quick() ? 1 : is_far_ ? CUT_FAR : SLACK; }
     double roots() const { return is_far_ ? FAR_ROOTS : has_many_ && reach_ == RootReach::far ? MANY_ROOTS : ROOTS; }
 
     // The short loops through a region are candidates.
