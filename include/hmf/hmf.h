@@ -143,7 +143,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
-#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component; hmf_components of uses.h divides it */
+#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component: see hmf_components */
 #define HMF_ERROR_MESH_GENUS 311 /* genus 0 with too few marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 #define HMF_ERROR_MESH_NOT_DELAUNAY 313 /* the intrinsic Delaunay triangulation was not reached: triangles too thin, or

@@ -21,7 +21,7 @@ constexpr double SEAMS[] = {1, 2, 4, 8};
 constexpr double COLUMNS = 96;                 // of these packings
 constexpr uint64_t PLANNING = 1000000000;      // of all of them
 constexpr double WISHED_USE = 0.88;            // of the square, as planned: ragged edges take some of it
-constexpr double LEAST_USE = 0.8, MUCH = 5;    // below this each part counts so many times more
+constexpr double LEAST_USE = 0.8, MUCH_LONGER = 5;    // below this each part counts so many times more
 constexpr double COST_OF_CHART = 0.035;        // a chart less is worth this part of the square
 constexpr double LONG = 1.6;                   // sides of the square: longer charts are cut in equal parts,
 constexpr double MOST_PARTS = 1000;            // each
@@ -101,7 +101,7 @@ double ChartPlan::scale_of(double area, double image) const {
 // What a packing is worth: room in the square, and few charts.
 double ChartPlan::cost_of(double side, size_t charts) const {
     const double use = pieces_.whole / (side * side);
-    return std::max(0.0, WISHED_USE - use) + MUCH * std::max(0.0, LEAST_USE - use)
+    return std::max(0.0, WISHED_USE - use) + MUCH_LONGER * std::max(0.0, LEAST_USE - use)
          + COST_OF_CHART * static_cast<double>(charts);
 }
 

@@ -53,7 +53,7 @@ Extent extent_of(const double* position, size_t count) {
     return extent;
 }
 
-constexpr double FLAT = 1e-12; // height of a triangle, in its longest side
+constexpr double FLAT_TRIANGLE = 1e-12; // height of a triangle, in its longest side
 
 double product_of(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -73,7 +73,7 @@ struct Triangle {
         const double square = product_of(cross, cross), doubled = std::sqrt(square);
         // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
         const double longest = std::max(-ca - ab, std::max(-ab - bc, -bc - ca));
-        if (!(doubled > FLAT * longest)) return;
+        if (!(doubled > FLAT_TRIANGLE * longest)) return;
         area = 0.5 * doubled;
         density = -(bc * (F[0] * F[0]) + ca * (F[1] * F[1]) + ab * (F[2] * F[2])) / square;
     }
