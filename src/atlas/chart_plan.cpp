@@ -18,16 +18,16 @@ constexpr size_t JOINS = 6;         // so many of these are then cut
 // Ways to join: room that a chart less is worth, as a part of the whole, and how often the room along seams counts.
 constexpr double EAGER[] = {0.003, 0.007, 0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.05, 0.06, 0.08, 0.12};
 constexpr double SEAMS[] = {1, 2, 4, 8};
-constexpr double COLUMNS = 96;                 // of these packings
-constexpr uint64_t PLANNING = 1000000000;      // of all of them
-constexpr double WISHED_USE = 0.88;            // of the square, as planned: ragged edges take some of it
-constexpr double LEAST_USE = 0.8, MUCH_LONGER = 5;    // below this each part counts so many times more
-constexpr double COST_OF_CHART = 0.035;        // a chart less is worth this part of the square
-constexpr double LONG = 1.6;                   // sides of the square: longer charts are cut in equal parts,
-constexpr double MOST_PARTS = 1000;            // each
-constexpr int MOST_CUTS = 12, PARTS_TRIED = 3; // of the longest parts, for each cut
-constexpr double SHORTEST = 8;                 // triangles
-constexpr double LONGEST_CHART = 1000;         // sides of the square: nothing beside it could be seen
+constexpr double COLUMNS = 96;                     // of these packings
+constexpr uint64_t PLANNING = 1000000000;          // of all of them
+constexpr double WISHED_USE = 0.88;                // of the square, as planned: ragged edges take some of it
+constexpr double LEAST_USE = 0.8, MUCH_LONGER = 5; // below this each part counts so many times more
+constexpr double COST_OF_CHART = 0.035;            // a chart less is worth this part of the square
+constexpr double LONG = 1.6;                       // sides of the square: longer charts are cut in equal parts,
+constexpr double MOST_PARTS = 1000;                // each
+constexpr int MOST_CUTS = 12, PARTS_TRIED = 3;     // of the longest parts, for each cut
+constexpr double SHORTEST = 8;                     // triangles
+constexpr double LONGEST_CHART = 1000;             // sides of the square: nothing beside it could be seen
 constexpr size_t FEW_PARTS = 8;
 constexpr int FINE_STEPS = 32, COARSE_STEPS = 12; // places tried: with few parts, with more
 
