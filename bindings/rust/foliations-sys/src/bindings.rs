@@ -61,10 +61,6 @@ pub const HMF_COLLAPSE_ENDPOINT: i32 = 2;
 pub const HMF_COLLAPSE_QSLIM: i32 = 3;
 pub const HMF_LOOP_TRIANGLES: i32 = 1;
 pub const HMF_LOOP_VERTICES: i32 = 2;
-pub const HMF_LOOPS_CUT: i32 = 1;
-pub const HMF_LOOPS_HANDLE: i32 = 2;
-pub const HMF_LOOPS_TUNNEL: i32 = 3;
-pub const HMF_LOOPS_PANTS: i32 = 4;
 pub const HMF_METHOD_DEFAULT: i32 = 0;
 pub const HMF_METHOD_NEWTON: i32 = 1;
 pub const HMF_METHOD_WHITEHEAD: i32 = 2;
@@ -76,6 +72,10 @@ pub const HMF_CLASS_LOST: i32 = 2;
 pub const HMF_SINGULAR_VERTEX: i32 = 1;
 pub const HMF_SINGULAR_TRIANGLE: i32 = 2;
 pub const HMF_SINGULAR_CLUSTER: i32 = 3;
+pub const HMF_LOOPS_CUT: i32 = 1;
+pub const HMF_LOOPS_HANDLE: i32 = 2;
+pub const HMF_LOOPS_TUNNEL: i32 = 3;
+pub const HMF_LOOPS_PANTS: i32 = 4;
 pub const HMF_LINE_LEVEL: i32 = 1;
 pub const HMF_LINE_CRITICAL: i32 = 2;
 pub const HMF_LINE_POINT: i32 = 3;
@@ -189,72 +189,6 @@ pub struct hmf_foliation {
 }
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone)]
-pub struct hmf_component {
-    pub status: hmf_status,
-    pub element: i32,
-    pub index: u64,
-    pub genus: u64,
-    pub boundary_count: u64,
-    pub first_vertex: u64,
-    pub vertex_count: u64,
-    pub first_edge: u64,
-    pub edge_count: u64,
-    pub first_triangle: u64,
-    pub triangle_count: u64,
-    pub first_mark: u64,
-    pub marked_count: u64,
-}
-#[repr(C)]
-#[derive(Debug, Copy, Clone)]
-pub struct hmf_component_set {
-    pub struct_size: u32,
-    pub reserved: u32,
-    pub count: u64,
-    pub vertex_count: u64,
-    pub edge_count: u64,
-    pub triangle_count: u64,
-    pub used_vertex_count: u64,
-    pub marked_count: u64,
-    pub list: *const hmf_component,
-    pub part_positions: *const f64,
-    pub part_triangles: *const u32,
-    pub part_marks: *const u32,
-    pub whole_vertices: *const u32,
-    pub whole_edges: *const u32,
-    pub whole_triangles: *const u32,
-    pub vertex_component: *const u32,
-    pub vertex_part: *const u32,
-    pub triangle_component: *const u32,
-    pub triangle_part: *const u32,
-}
-impl Default for hmf_component_set {
-    fn default() -> Self {
-        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
-        unsafe {
-            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
-            s.assume_init()
-        }
-    }
-}
-#[repr(C)]
-#[derive(Debug, Copy, Clone)]
-pub struct hmf_mark_set {
-    pub struct_size: u32,
-    pub reserved: u32,
-    pub count: u64,
-    pub vertices: *const u32,
-}
-impl Default for hmf_mark_set {
-    fn default() -> Self {
-        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
-        unsafe {
-            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
-            s.assume_init()
-        }
-    }
-}
-#[repr(C)]
-#[derive(Debug, Default, Copy, Clone)]
 pub struct hmf_level_info {
     pub vertex_count: u64,
     pub edge_count: u64,
@@ -274,44 +208,6 @@ pub struct hmf_loop_set {
     pub arcs: *const u8,
 }
 impl Default for hmf_loop_set {
-    fn default() -> Self {
-        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
-        unsafe {
-            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
-            s.assume_init()
-        }
-    }
-}
-#[repr(C)]
-#[derive(Debug, Copy, Clone)]
-pub struct hmf_design_options {
-    pub struct_size: u32,
-    pub no_poles: i32,
-    pub build: *const hmf_build_options,
-    pub solve_limit: u64,
-}
-impl Default for hmf_design_options {
-    fn default() -> Self {
-        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
-        unsafe {
-            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
-            s.assume_init()
-        }
-    }
-}
-#[repr(C)]
-#[derive(Debug, Copy, Clone)]
-pub struct hmf_design {
-    pub struct_size: u32,
-    pub reserved: u32,
-    pub marked_count: u64,
-    pub marked_vertices: *const u32,
-    pub loops: *const hmf_loop_set,
-    pub unevenness: f64,
-    pub unevenness_before: f64,
-    pub solves: u64,
-}
-impl Default for hmf_design {
     fn default() -> Self {
         let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
         unsafe {
@@ -419,6 +315,110 @@ pub struct hmf_singularity_set {
     pub triangle_index: *const i32,
 }
 impl Default for hmf_singularity_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone)]
+pub struct hmf_component {
+    pub status: hmf_status,
+    pub element: i32,
+    pub index: u64,
+    pub genus: u64,
+    pub boundary_count: u64,
+    pub first_vertex: u64,
+    pub vertex_count: u64,
+    pub first_edge: u64,
+    pub edge_count: u64,
+    pub first_triangle: u64,
+    pub triangle_count: u64,
+    pub first_mark: u64,
+    pub marked_count: u64,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_component_set {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub count: u64,
+    pub vertex_count: u64,
+    pub edge_count: u64,
+    pub triangle_count: u64,
+    pub used_vertex_count: u64,
+    pub marked_count: u64,
+    pub list: *const hmf_component,
+    pub part_positions: *const f64,
+    pub part_triangles: *const u32,
+    pub part_marks: *const u32,
+    pub whole_vertices: *const u32,
+    pub whole_edges: *const u32,
+    pub whole_triangles: *const u32,
+    pub vertex_component: *const u32,
+    pub vertex_part: *const u32,
+    pub triangle_component: *const u32,
+    pub triangle_part: *const u32,
+}
+impl Default for hmf_component_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_mark_set {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub count: u64,
+    pub vertices: *const u32,
+}
+impl Default for hmf_mark_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_design_options {
+    pub struct_size: u32,
+    pub no_poles: i32,
+    pub build: *const hmf_build_options,
+    pub solve_limit: u64,
+}
+impl Default for hmf_design_options {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_design {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub marked_count: u64,
+    pub marked_vertices: *const u32,
+    pub loops: *const hmf_loop_set,
+    pub unevenness: f64,
+    pub unevenness_before: f64,
+    pub solves: u64,
+}
+impl Default for hmf_design {
     fn default() -> Self {
         let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
         unsafe {
@@ -644,26 +644,6 @@ extern "C" {
         out: *mut *mut hmf_hierarchy,
         error: *mut hmf_error,
     ) -> hmf_status;
-    pub fn hmf_components(
-        positions: *const f64,
-        vertex_count: usize,
-        triangles: *const u32,
-        triangle_count: usize,
-        options: *const hmf_build_options,
-        control: *const hmf_control,
-        out: *mut *mut hmf_component_set,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_suggest_marks(
-        positions: *const f64,
-        vertex_count: usize,
-        triangles: *const u32,
-        triangle_count: usize,
-        options: *const hmf_build_options,
-        control: *const hmf_control,
-        out: *mut *mut hmf_mark_set,
-        error: *mut hmf_error,
-    ) -> hmf_status;
     pub fn hmf_destroy(hierarchy: *mut hmf_hierarchy);
     pub fn hmf_memory_estimate(
         vertex_count: usize,
@@ -715,29 +695,11 @@ extern "C" {
         capacity: usize,
         error: *mut hmf_error,
     ) -> hmf_status;
-    pub fn hmf_loops(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        kind: i32,
-        control: *const hmf_control,
-        out: *mut *mut hmf_loop_set,
-        error: *mut hmf_error,
-    ) -> hmf_status;
     pub fn hmf_initialize(
         hierarchy: *const hmf_hierarchy,
         loops: *const hmf_loop_set,
         control: *const hmf_control,
         out: *mut *mut hmf_foliation,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_even_design(
-        positions: *const f64,
-        vertex_count: usize,
-        triangles: *const u32,
-        triangle_count: usize,
-        options: *const hmf_design_options,
-        control: *const hmf_control,
-        out: *mut *mut hmf_design,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_foliation_create(
@@ -761,13 +723,6 @@ extern "C" {
     pub fn hmf_solve(
         hierarchy: *const hmf_hierarchy,
         loops: *const hmf_loop_set,
-        options: *const hmf_solve_options,
-        control: *const hmf_control,
-        out: *mut *mut hmf_foliation,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_solve_cut_system(
-        hierarchy: *const hmf_hierarchy,
         options: *const hmf_solve_options,
         control: *const hmf_control,
         out: *mut *mut hmf_foliation,
@@ -800,18 +755,55 @@ extern "C" {
         capacity: usize,
         error: *mut hmf_error,
     ) -> hmf_status;
-    pub fn hmf_conformal_scale(
-        foliation: *const hmf_foliation,
-        control: *const hmf_control,
-        log_scale: *mut f64,
-        capacity: usize,
-        unevenness: *mut f64,
-        error: *mut hmf_error,
-    ) -> hmf_status;
     pub fn hmf_singularities(
         foliation: *const hmf_foliation,
         control: *const hmf_control,
         out: *mut *mut hmf_singularity_set,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_components(
+        positions: *const f64,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_build_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_component_set,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_suggest_marks(
+        positions: *const f64,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_build_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_mark_set,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_loops(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        kind: i32,
+        control: *const hmf_control,
+        out: *mut *mut hmf_loop_set,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_solve_cut_system(
+        hierarchy: *const hmf_hierarchy,
+        options: *const hmf_solve_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_foliation,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_even_design(
+        positions: *const f64,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_design_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_design,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_parameterize(
@@ -819,6 +811,14 @@ extern "C" {
         options: *const hmf_parameterize_options,
         control: *const hmf_control,
         out: *mut *mut hmf_parameterization,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_conformal_scale(
+        foliation: *const hmf_foliation,
+        control: *const hmf_control,
+        log_scale: *mut f64,
+        capacity: usize,
+        unevenness: *mut f64,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_trace(
