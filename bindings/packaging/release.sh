@@ -15,7 +15,7 @@ fail() { echo "release: $*" >&2; exit 1; }
 python3 bindings/packaging/check_versions.py
 ! git rev-parse -q --verify "refs/tags/v$version" > /dev/null || fail "v$version is tagged already"
 ! grep -q "^## $version (not released)" CHANGELOG.md || fail "CHANGELOG.md says that $version is not released"
-[ -n "${HMF_RELEASE_UNTESTED:-}" ] || ./test.sh
+[ -n "${HMF_RELEASE_UNTESTED:-}" ] || ./test.sh full
 tests/checks/check_abi.sh build/abi --exact || fail "the interface is not as recorded in tests/checks/abi"
 
 git archive --prefix="hmf-$version/" -o "$out/hmf-$version.tar.gz" HEAD

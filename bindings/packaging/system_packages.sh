@@ -14,6 +14,7 @@ package_of() { # dnf, pacman, apk or brew; name
     pacman-clang-format) echo clang ;;
     apk-clang-format) echo clang-extra-tools ;;
     brew-clang) echo llvm ;;
+    pacman-ninja-build | brew-ninja-build) echo ninja ;;
     dnf-pkg-config) echo pkgconf-pkg-config ;;
     *-pkg-config) echo pkgconf ;;
     pacman-python3 | pacman-python3-venv) echo python ;;

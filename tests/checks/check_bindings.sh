@@ -1,5 +1,6 @@
 #!/bin/bash
 # check_bindings.sh WORK_FOLDER
+# check_bindings.sh WORK_FOLDER --quick   only C, and the Python module made of the library that the release build has
 #
 # Runs the tests of each binding, and compares the bits of its results with
 # those of C (bindings/same_bits).
@@ -19,7 +20,7 @@ reference=$work/same_bits.txt
 # The library of the release build, which the tests of that build use as well.
 make_reference() {
     {
-        cd "$root" && cmake --preset release && cmake --build build/release --target hmf -j "${JOBS:-$(nproc)}" &&
+        cd "$root" && cmake --preset release && cmake --build build/release --target hmf hmf_pool -j "${JOBS:-$(nproc)}" &&
             cc -std=c99 -pedantic -Wall -Wextra -Werror -I"$root/include" "$root/bindings/same_bits/same_bits.c" \
                 build/release/libhmf.a -lstdc++ -lm -o "$work/same_bits"
     } > "$work/core.log" 2>&1 && timeout 600 "$work/same_bits" > "$reference"
@@ -76,6 +77,32 @@ else
     tail -20 "$work/core.log"
     exit 1
 fi
+# The module compiled against the static library, beside the Python sources of the package: the same bits.
+quick_python() {
+    local python=$work/venv/bin/python packaging=$root/bindings/python/packaging headers=$root/include/hmf
+    rm -rf "$work/package"
+    { [ -x "$python" ] || python3 -m venv "$work/venv"; } && "$work/venv/bin/pip" install -q cffi numpy > "$work/pip.log" 2>&1 || {
+        echo "skip bindings-same-bits python (skipped: no environment with numpy and cffi)"
+        return 0
+    }
+    mkdir -p "$work/package" && cp -r "$root/bindings/python/src/foliations" "$work/package" &&
+        "$python" "$packaging/declarations.py" "$headers/hmf.h" "$headers/uses.h" "$headers/pool.h" "$packaging/progress.c" "$work/_native.c" &&
+        cc -O1 -fPIC -shared -I"$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')" -I"$root/include" "$work/_native.c" \
+            "$root/build/release/libhmf.a" "$root/build/release/libhmf_pool.a" -lstdc++ -lm -lpthread \
+            -o "$work/package/foliations/_native$("$python" -c 'import sysconfig; print(sysconfig.get_config_var("EXT_SUFFIX"))')" &&
+        PYTHONPATH=$work/package "$python" "$root/bindings/python/tests/same_bits.py" > "$work/same_bits-python.txt" &&
+        diff "$reference" "$work/same_bits-python.txt"
+}
+if [ "${2:-}" = --quick ]; then
+    if quick_python > "$work/python.log" 2>&1; then
+        grep '^skip ' "$work/python.log" || echo "ok bindings-same-bits python"
+        exit 0
+    fi
+    echo "not ok bindings-same-bits python"
+    tail -20 "$work/python.log"
+    exit 1
+fi
+
 # Side by side: each has long stretches of one process.
 languages=
 for language in python rust javascript; do

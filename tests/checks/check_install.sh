@@ -1,17 +1,18 @@
 #!/bin/sh
-# check_install.sh WORK_FOLDER [STATIC SHARED]
+# check_install.sh WORK_FOLDER [STATIC]
+# check_install.sh WORK_FOLDER STATIC --quick   only the static library, without the builds that take long
 #
 # Installs the library, moves the tree, and uses it from there in each way:
 # find_package, pkg-config, cc alone, and add_subdirectory; static and shared.
 # The examples of the README and of bindings/ are built and run as well.
-# STATIC, SHARED: folders where the library has been built (default: it is built in WORK_FOLDER).
+# STATIC: folder where the static library has been built (default: it is built in WORK_FOLDER).
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd)
 mkdir -p "$1"
 work=$(cd "$1" && pwd)
 failed=0
 rm -rf "${work:?}"/*
-built_static=${2:-} built_shared=${3:-}
+built_static=${2:-} mode=${3:-}
 
 check() { # name, then the command
     name=$1
@@ -27,10 +28,9 @@ check() { # name, then the command
 
 install_and_move() { # ON or OFF, target folder
     built=$built_static
-    [ "$1" = OFF ] || built=$built_shared
-    if [ -z "$built" ]; then
+    if [ -z "$built" ] || [ "$1" = ON ]; then
         built=$work/build-$1
-        cmake -S "$root" -B "$built" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF &&
+        cmake -S "$root" -B "$built" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG" -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF &&
             cmake --build "$built" -j "${JOBS:-2}" || return 1
     fi
     cmake --install "$built" --prefix "$work/first" &&
@@ -116,14 +116,16 @@ version_matches() { # prefix
     [ "$(PKG_CONFIG_PATH=$pc pkg-config --modversion hmf)" = "$header" ]
 }
 
-for shared in OFF ON; do
+kinds="OFF ON"
+[ "$mode" != --quick ] || kinds=OFF
+for shared in $kinds; do
     kind=static
     [ $shared = ON ] && kind=shared
     prefix=$work/moved-$kind
     check "$kind-installs-relocatable" install_and_move $shared "$prefix"
     check "$kind-version" version_matches "$prefix"
     check "$kind-find_package" use_find_package "$prefix" "$work/find_package-$kind"
-    check "$kind-add_subdirectory" use_add_subdirectory $shared "$work/add_subdirectory-$kind"
+    [ "$mode" = --quick ] || check "$kind-add_subdirectory" use_add_subdirectory $shared "$work/add_subdirectory-$kind"
     check "$kind-pkg-config" use_pkg_config "$prefix" "$root/tests/checks/consumers/main.c" "$work/pkg-config-$kind"
     check "$kind-cc" use_cc "$prefix" "$work/cc-$kind"
     check "$kind-hpp" use_hpp "$prefix" "$work/hpp-$kind"
@@ -134,4 +136,7 @@ awk '/^```c$/ { on = 1; next } /^```/ { if (on) exit } on' "$root/README.md" > "
 check "readme-has-example" grep -q hmf_solve "$work/readme.c"
 check "readme-example" use_pkg_config "$work/moved-static" "$work/readme.c" "$work/readme"
 check "c-example" use_c_example "$work/moved-static" "$work/c-example" "$work/hpp-static/torus.txt"
+if [ "$mode" != --quick ]; then
+    "$root/tests/checks/check_symbols.sh" "${built_static:-$work/build-OFF}/libhmf.a" "$work/build-ON/libhmf.so" || failed=1
+fi
 exit $failed

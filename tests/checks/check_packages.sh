@@ -1,5 +1,5 @@
 #!/bin/bash
-# check_packages.sh WORK_FOLDER
+# check_packages.sh WORK_FOLDER [--quick]   quick: only what needs nothing installed
 #
 # The recipes and manifests of packages: one version, licence, authors and keywords in each; and what can be built here.
 # Environment: HMF_PACKAGES=1  also what takes minutes: wheels by the cross compiler, Ray and Dask, npm, Debian, Conan, vcpkg, conda
@@ -112,6 +112,8 @@ assert f"pkg:cargo/cc@{cc['version']}" in refs and all("pkg:cargo/" + n.split()[
 END
 }
 if python3 -c 'import tomllib' 2> /dev/null; then check bill-of-materials bill_of_materials; else skip bill-of-materials "python3 is older than 3.11"; fi
+
+[ "${2:-}" != --quick ] || exit $failed
 
 # npm: what would be in the package.
 npm_package() {

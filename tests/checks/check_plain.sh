@@ -1,5 +1,6 @@
 #!/bin/sh
 # check_plain.sh WORK_FOLDER
+# check_plain.sh WORK_FOLDER --quick LIBRARY OTHER   compiles nothing of the library: the bits of two that have been built
 #
 # The library compiles without a build system and without a warning, and
 # gives the same bits with each compiler and optimisation, also where the
@@ -13,6 +14,26 @@ failed=0
 reference=
 rm -rf "$work"
 mkdir -p "$work"
+
+# The bits that a library gives; OTHER was made by clang with sanitizers.
+bits_of() { # library, file, compiler and flags
+    library=$1 bits=$2
+    shift 2
+    "$@" -x c++ -std=c++17 -O1 -I"$root/include" "$root/tests/checks/consumers/hashes.c" -x none "$library" -lpthread -o "$bits.program" &&
+        "$bits.program" > "$bits"
+}
+if [ "${2:-}" = --quick ]; then
+    if [ ! -e "$4" ]; then
+        echo "skip plain-same-bits (skipped: no $4; ./test.sh sanitizers makes it)"
+    elif bits_of "$3" "$work/bits" c++ > "$work/log" 2>&1 &&
+        bits_of "$4" "$work/other" clang++ -fsanitize=address,undefined > "$work/log" 2>&1 && cmp "$work/bits" "$work/other"; then
+        echo "ok plain-same-bits $(basename "$(dirname "$3")") $(basename "$(dirname "$4")")"
+    else
+        echo "not ok plain-same-bits $3 $4"
+        head -20 "$work/log"
+        failed=1
+    fi
+fi
 
 for cxx in g++ clang++; do
     if ! command -v $cxx > /dev/null; then
@@ -29,7 +50,8 @@ for cxx in g++ clang++; do
             echo "ok plain-refuses $cxx $flags"
         fi
     done
-    case ${HMF_PLAIN_ALL:-}$cxx in
+    case ${HMF_PLAIN_ALL:-}$cxx${2:-} in
+    *--quick) levels= ;;
     g++) levels=-O2 ;;
     clang++) levels=-O0 ;; # bindings compares gcc's -O3 with clang's, of WebAssembly
     *) levels="-O0 -O2 -O3" ;;

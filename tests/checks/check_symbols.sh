@@ -1,16 +1,21 @@
 #!/bin/sh
-# check_symbols.sh SHARED_LIBRARY STATIC_LIBRARY
+# check_symbols.sh STATIC_LIBRARY [SHARED_LIBRARY]   default: a shared one linked of the objects of the static one
 #
 # The shared library exports exactly the functions of hmf.h and uses.h; the static one
 # has no other C symbol; it needs only the C and C++ runtime, of libm no function whose
 # last bit each system has of its own, and has no writable data, because there is no global state.
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd)
-shared=$1
-static=$2
+static=$1
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
+shared=${2:-$work/libhmf.so}
+if [ $# -lt 2 ] && ! c++ -shared -Wl,--whole-archive "$static" -Wl,--no-whole-archive -Wl,--version-script="$root/src/hmf.map" \
+    -Wl,-soname,"libhmf.so.$(sed -n 's/^#define HMF_VERSION_MAJOR //p' "$root/include/hmf/hmf.h")" -o "$shared"; then
+    echo "not ok symbols libraries-linkable"
+    exit 1
+fi
 
 report() { # name, file that is empty when all is well
     if [ -s "$2" ]; then

@@ -185,7 +185,7 @@ def files_of_cases(tree=ROOT):
 
 def without_parameters(case):
     """Suite.Name of Prefix/Suite.Name/3."""
-    return re.sub(r"^\w+/", "", re.sub(r"/\w+$", "", case))
+    return re.sub(r"^\w+/", "", re.sub(r"/[\w*?]+$", "", case))
 
 
 def program_of(path):

@@ -1,4 +1,5 @@
-// The main function of the test programs: behind each case that fails stands the line that runs it alone.
+// The main function of the test programs: behind each case that fails stands the line that runs it alone. What ends the
+// program itself is known from its last case and its path, which is printed first.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -23,6 +24,7 @@ private:
 
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
+    std::printf("program: %s\n", argv[0]);
     testing::UnitTest::GetInstance()->listeners().Append(new RunAlone(argv[0]));
     return RUN_ALL_TESTS();
 }

@@ -155,4 +155,7 @@ def main():
     if len(sys.argv) < 2 or not os.path.exists(sys.argv[1]):
         sys.exit("usage: %s PATH_TO_HMF [unittest arguments]" % os.path.basename(sys.argv[0]))
     TOOL = os.path.abspath(sys.argv.pop(1))
-    unittest.main(verbosity=2)
+    result = unittest.main(verbosity=2, exit=False).result
+    for test, _ in result.failures + result.errors:
+        print("run it alone: python3 %s %s %s" % (os.path.abspath(sys.argv[0]), TOOL, test.id().replace("__main__.", "")))
+    sys.exit(not result.wasSuccessful())

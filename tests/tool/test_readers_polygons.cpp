@@ -11,6 +11,8 @@
 
 #include "support/mesh_files.hpp"
 
+namespace test_readers_polygons {
+
 using namespace test;
 
 namespace {
@@ -235,3 +237,5 @@ TEST(Polygons, ManyCorners) {
     for (const uint32_t v : read_face(circle, 0).triangles) ++degree[v];
     EXPECT_LT(*std::max_element(degree.begin(), degree.end()), 64);
 }
+
+} // namespace test_readers_polygons
