@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "../readers/components.hpp"
 #include "closed_pattern.hpp"
@@ -314,6 +315,17 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                                 {"element", s.element},
                                 {"size", s.size},
                                 {"position", std::vector<double>(s.position, s.position + 3)}});
+    // The library counts those of the double of a surface with boundary.
+    uint64_t zeros = r.zeros, poles = r.poles;
+    int64_t index_sum = r.index_sum;
+    if (boundaries() > 0) {
+        zeros = poles = 0;
+        index_sum = 0;
+        for (const hmf_singularity& s : singularities) {
+            index_sum += s.index;
+            (s.index < 0 ? zeros : poles) += static_cast<uint64_t>(std::abs(s.index));
+        }
+    }
     Json report = {{"mesh", Json{{"vertices", finest_.vertex_count},
                                  {"edges", finest_.edge_count},
                                  {"triangles", finest_.triangle_count},
@@ -333,9 +345,9 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                    {"unevenness", unevenness()},
                    {"residual_max", r.residual_max},
                    {"residual_mean", r.residual_mean},
-                   {"poles", r.poles},
-                   {"zeros", r.zeros},
-                   {"index_sum", r.index_sum},
+                   {"poles", poles},
+                   {"zeros", zeros},
+                   {"index_sum", index_sum},
                    {"singularities", singular},
                    {"bad_flips", r.bad_flips},
                    {"bad_flips_left", r.bad_flips_left},

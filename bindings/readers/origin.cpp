@@ -72,8 +72,13 @@ std::string Origin::name_of_triangle(size_t triangle, bool with_line) const {
     return name_of(has_polygons() ? "face" : "triangle", face, with_line ? face_lines_.of(face) : 0);
 }
 
-std::string Origin::name_of_vertex(size_t vertex, bool with_line) const {
-    if (!vertices_.empty()) vertex = vertex < vertices_.size() ? vertices_[vertex] : NONE;
+uint32_t Origin::vertex_of(size_t vertex) const {
+    if (vertices_.empty()) return static_cast<uint32_t>(vertex);
+    return vertex < vertices_.size() ? vertices_[vertex] : NONE;
+}
+
+std::string Origin::name_of_vertex(size_t number, bool with_line) const {
+    const size_t vertex = vertex_of(number);
     return name_of("vertex", vertex, with_line ? vertex_lines_.of(vertex) : 0);
 }
 

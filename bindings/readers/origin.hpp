@@ -43,6 +43,7 @@ public:
     uint32_t start_of(size_t face) const { return starts_[face]; }
     // Of the file.
     size_t face_of(size_t triangle) const;
+    uint32_t vertex_of(size_t vertex) const;
 
     // "face 3, line 17"; "triangle 3" where all faces of the file are triangles, and no line where it has none.
     std::string name_of_triangle(size_t triangle, bool with_line = true) const;

@@ -140,6 +140,13 @@ public:
         project();
     }
 
+    // A fan that has to stay: all corners lie on a line.
+    bool is_line() const {
+        for (uint32_t i = 0; i < count_; ++i)
+            if (turn(point_[before(i)], point_[i], point_[after(i)]) != 0) return false;
+        return true;
+    }
+
     bool is_good_fan() const {
         if (count_ > most_in_fan) return false;
         for (uint32_t i = 0; i < count_; ++i)
@@ -384,7 +391,7 @@ void triangulate_polygons(TriangleMesh& mesh) {
         corners = without_repeats(corners, triangles);
         if (corners.size() < 3) continue;
         Triangulation polygon(mesh.positions, corners);
-        if (triangles.empty() && polygon.is_good_fan()) continue;
+        if (triangles.empty() && (polygon.is_good_fan() || polygon.is_line())) continue;
         const std::vector<Corners> good = polygon.go();
         triangles.insert(triangles.end(), good.begin(), good.end());
         for (size_t t = 0; t < count; ++t) std::copy_n(triangles[t].begin(), 3, triangle + 3 * t);

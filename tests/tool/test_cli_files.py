@@ -164,6 +164,11 @@ class Holes(Case):
         self.assertEqual((found["mesh"]["boundaries"], found["mesh"]["genus"], found["repairs"]), (0, 1, ["filled 1 hole"]))
         self.run_tool("solve", self.mesh, "--report", report)
         self.assertAlmostEqual(found["energy"], json.loads(self.read("r.json"))["energy"], 5)
+        # Counts are those of the surface, in the report and in its list.
+        self.run_tool("solve", path, "--report", report)
+        found = json.loads(self.read("r.json"))
+        orders = [s["index"] for s in found["singularities"]]
+        self.assertEqual((found["zeros"], found["index_sum"]), (-sum(i for i in orders if i < 0), sum(orders)))
         # A wide opening is none by accident.
         points, quads = torus()
         tube = self.write("tube.obj", obj_text(points, triangles_of(quads)[:2 * 16 * 20]))

@@ -7,6 +7,8 @@
 #include <hmf/pool.h>
 #include <hmf/uses.h>
 
+#include "readers.h"
+
 #ifdef _WIN32
 #include <windows.h>
 static double hmf_python_seconds(void) { return (double)GetTickCount64() * 1e-3; }

@@ -52,14 +52,16 @@ def test_a_defect_is_the_status_of_its_component(whole: Mesh) -> None:
 
 def test_all_are_solved_in_one_call(parts: list[Mesh], whole: Mesh) -> None:
     fractions: list[float] = []
-    solved = foliations.solve_components(*whole, progress=fractions.append)
+    solved = foliations.solve_components(*whole, marked_vertices=[], progress=fractions.append)
     assert fractions == sorted(fractions) and fractions[-1] > 0.99
     assert [row.status for row in solved] == [Status.OK, Status.ERROR_MESH_GENUS, Status.OK]
     assert solved[1].foliation is None and solved[1].message and solved[1].row["class"] == "none"
     for k in (0, 2):
         alone = foliations.solve(*parts[k])
         assert np.array_equal(solved.values[solved[k].component.whole_edges], alone.values)
-        assert solved[k].row["ok"] and solved[k].row["energy"] == alone.energy and solved[k].row["genus"] == (2, 0, 1)[k]
+        assert (
+            solved[k].row["ok"] and solved[k].row["energy"] == alone.energy and solved[k].row["genus"] == (2, 0, 1)[k]
+        )
     assert not solved.values[solved[1].component.whole_edges].any()
     assert solved.energy == pytest.approx(sum(row.row["energy"] for row in (solved[0], solved[2])))
     assert "2 of 3" in repr(solved)
@@ -68,8 +70,9 @@ def test_all_are_solved_in_one_call(parts: list[Mesh], whole: Mesh) -> None:
 def test_marks_are_suggested(whole: Mesh) -> None:
     marks = foliations.suggest_marks(whole)
     assert len(marks) == 4 and set(marks.tolist()) <= set(foliations.Components(*whole)[1].whole_vertices.tolist())
-    solved = foliations.solve_components(whole, marked_vertices="suggest")
-    assert all(row.status == Status.OK for row in solved)
+    for chosen in ("suggest", None):
+        solved = foliations.solve_components(whole, marked_vertices=chosen)  # type: ignore[arg-type]
+        assert all(row.status == Status.OK for row in solved)
     with pytest.raises(ValueError, match="suggest"):
         foliations.solve_components(whole, marked_vertices="guess")  # type: ignore[arg-type]
 

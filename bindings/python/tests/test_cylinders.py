@@ -24,7 +24,9 @@ def test_heights_areas_and_loops(hierarchy: foliations.Hierarchy) -> None:
 def test_middle_leaves_give_the_class(hierarchy: foliations.Hierarchy) -> None:
     foliation = hierarchy.solve(weights=[1.0, 2.5])
     found = foliation.cylinders()
-    assert [cylinder.loop for cylinder in found] == [None, None]
+    assert [(c.loop, c.height) for c in sorted(found, key=lambda c: c.height)] == [(0, 1.0), (1, 2.5)]
+    again = hierarchy.foliation(foliation.values)
+    assert again.loops is None and [c.loop for c in again.cylinders()] == [None, None]
     assert found.leaves.level == 0 and len(found.leaves) == 2
     again = hierarchy.solve(found.leaves)
     assert np.abs(again.values - foliation.values).max() < 1e-5

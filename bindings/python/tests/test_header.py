@@ -99,7 +99,7 @@ def test_options_are_keywords() -> None:
     build = set(inspect.signature(foliations.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(foliations.Hierarchy.solve).parameters)
     both = set(inspect.signature(foliations.solve).parameters)
-    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "progress"}
+    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "closed", "progress"}
     start = {"self", "loops", "weights", "initial", "progress"}
     assert fields("hmf_solve_options") - hidden - {"start"} == solve - start
     assert (build | solve) - {"self"} == both
@@ -115,7 +115,7 @@ def test_options_are_keywords() -> None:
 
 def test_reports_have_all_fields() -> None:
     hidden = {"struct_size", "reserved", "level_count", "history_count"}
-    assert fields("hmf_report") - hidden == set(foliations.Report.__dataclass_fields__)
+    assert fields("hmf_report") - hidden == set(foliations.Report.__dataclass_fields__) - {"boundaries"}
     hidden = {"struct_size", "reserved", "vertex_count", "edge_count", "triangle_count"}
     assert fields("hmf_parameterization") - hidden == set(foliations.Parameterization.__dataclass_fields__)
     assert fields("hmf_chart_set") - hidden == set(foliations.Atlas.__dataclass_fields__) - {"_foliation"}
@@ -132,6 +132,8 @@ def test_each_call_with_a_control_takes_progress() -> None:
     long = {name for name in FUNCTIONS if control in ffi.typeof(getattr(lib, name)).args}
     owners = {
         "hmf_build": foliations.Hierarchy.__init__,
+        "hmf_loops": foliations.Hierarchy.loops,
+        "hmf_solve_cut_system": foliations.Hierarchy.solve,
         "hmf_foliation_create": foliations.Hierarchy.foliation,
         "hmf_suggest_marks": foliations.suggest_marks,
         "hmf_components": foliations.Components.__init__,

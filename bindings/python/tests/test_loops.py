@@ -135,7 +135,7 @@ def test_through_two_handles(hierarchy: foliations.Hierarchy, ring: list[int]) -
     (picked,) = foliations.Loops.through(hierarchy, ring[:2], crossing=handles).positions(hierarchy)
     assert length(picked) >= length(both)
     with pytest.raises(ValueError, match="level 0"):
-        foliations.Loops.through(hierarchy, crossing=hierarchy.loops("handle"))
+        foliations.Loops.through(hierarchy, crossing=hierarchy.loops("handle", level=1))
     with pytest.raises(ValueError, match="pick"):
         foliations.Loops.through(hierarchy)
 
@@ -184,7 +184,7 @@ def test_saved_and_loaded(hierarchy: foliations.Hierarchy, ring: list[int], tmp_
     assert foliations.Loops.load(file, weights=[2, 3]).weights.tolist() == [2, 3]
     assert file.read_text().splitlines()[1].startswith("t: ")
     with pytest.raises(ValueError, match="level 0"):
-        hierarchy.loops().save(file)
+        hierarchy.loops(level=1).save(file)
 
 
 def test_files_as_people_write_them(tmp_path: Path) -> None:

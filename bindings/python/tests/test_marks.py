@@ -75,7 +75,8 @@ def test_rows(sphere: Mesh) -> None:
     row = {"mesh": sphere, "marked_vertices": foliations.suggest_marks(*sphere).tolist()}
     result = solve_row(row)
     assert result["ok"] and result["class"] == "proven" and result["genus"] == 0 and "marked_vertices" not in result
-    failed = solve_row({"mesh": sphere})
+    assert solve_row({"mesh": sphere})["energy"] == result["energy"]
+    failed = solve_row({"mesh": sphere, "marked_vertices": []})
     assert failed["error"] == "MeshError" and failed["class"] == ""
 
 
@@ -96,4 +97,4 @@ def test_even_design(sphere: Mesh) -> None:
     kept = foliations.even_design(*sphere, marked_vertices=[3], solve_limit=10)
     assert 3 in kept.marked_vertices
     with pytest.raises(ValueError, match="even"):
-        foliations.solve(*sphere, loops="pants")  # type: ignore[arg-type]
+        foliations.solve(*sphere, loops="trousers")  # type: ignore[arg-type]

@@ -60,7 +60,10 @@ def test_the_axes_given_are_used(foliation: foliations.Foliation) -> None:
     figure = matplotlib.figure.Figure()
     ax = figure.add_subplot()
     assert foliations.plot(foliation, ax=ax, view=[0, 0, 1]) is ax
-    assert len(ax.images) == 1 and len(ax.collections) == 2
+    assert foliation.loops is not None
+    assert len(ax.images) == 1 and len(ax.collections) == 2 + len(foliation.loops)
+    plain = foliations.plot(foliation, ax=figure.add_subplot(), view=[0, 0, 1], loops=False)
+    assert len(plain.collections) == 2
 
 
 def test_what_is_behind_is_hidden(foliation: foliations.Foliation) -> None:

@@ -151,7 +151,7 @@ def test_random_weights(hierarchy: foliations.Hierarchy, exponents: tuple[float,
 
 def test_loops(hierarchy: foliations.Hierarchy) -> None:
     loops = hierarchy.loops("cut")
-    assert len(loops) == hierarchy.genus and loops.level == len(hierarchy.levels) - 1 and loops.kind == "triangles"
+    assert len(loops) == hierarchy.genus and loops.level == 0 and loops.kind == "triangles"
     assert loops.offsets[-1] == len(loops.elements)
     assert [loop.tolist() for loop in loops] == [loops[0].tolist(), loops[-1].tolist()]
     assert loops.weights.tolist() == [1.0, 1.0]

@@ -27,6 +27,7 @@ from .errors import (
     LimitWarning,
     LoopError,
     MeshError,
+    MeshWarning,
     OptionsError,
     OutOfMemoryError,
     Status,
@@ -36,7 +37,7 @@ from .foliation import Foliation, Singularities, Singularity
 from .hierarchy import Design, Hierarchy, Level, even_design, memory_estimate, solve, suggest_marks
 from .leaves import Leaf, Leaves
 from .loops import Loops
-from .meshes import MeshLike, as_mesh, read_mesh
+from .meshes import MeshLike, RepairedMesh, as_mesh, read_mesh, repair
 from .parameterization import Parameterization
 from .quads import QuadMesh
 from .report import ClassState, HistoryEntry, LevelReport, Report
@@ -78,6 +79,7 @@ __all__ = [
     "Loops",
     "MeshError",
     "MeshLike",
+    "MeshWarning",
     "OptionsError",
     "OutOfMemoryError",
     "Parameterization",
@@ -85,6 +87,7 @@ __all__ = [
     "ProgressCallback",
     "ProgressOption",
     "QuadMesh",
+    "RepairedMesh",
     "Report",
     "Singularities",
     "Singularity",
@@ -96,6 +99,7 @@ __all__ = [
     "memory_estimate",
     "plot",
     "read_mesh",
+    "repair",
     "solve",
     "solve_components",
     "solve_row",

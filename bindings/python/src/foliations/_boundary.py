@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._native import ffi, lib
 from ._threads import lent_threads
-from .errors import Element, MeshError, Status, error_class
+from .errors import Element, MeshError, OptionsError, Status, error_class, in_words
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.uint32]
@@ -133,12 +133,49 @@ def constant(prefix: str, name: str | None, what: str) -> int | None:
     return values[key]
 
 
+# Ranges of options; the library takes 0 for "the default", which is None here.
+_RANGES: dict[str, str] = {
+    "ratio": "[0.05, 0.95]",
+    "coarsest": "[1, inf)",
+    "memory_limit": "[1, inf)",
+    "mollify": "[0, 0.1]",
+    "tolerance": "(0, 1)",
+    "residual_tolerance": "(0, 1)",
+    "time_limit": "[0, inf)",
+    "iteration_limit": "[1, inf)",
+    "step_limit": "[1, inf)",
+    "solve_limit": "[1, inf)",
+    "edge_length": "(0, inf)",
+    "count": "[1, inf)",
+    "spacing": "(0, inf)",
+    "length_limit": "(0, inf)",
+}
+_SHORTEST = 1e-9  # seconds; the library takes a limit of 0 for none
+
+
+def check_range(name: str, value: Any) -> None:
+    """Raises OptionsError where an option is out of its range."""
+    limits = _RANGES.get(name)
+    if limits is None:
+        return
+    low, high = (float(word) for word in limits[1:-1].split(","))
+    above = value > low if limits[0] == "(" else value >= low
+    below = value < high if limits[-1] == ")" else value <= high
+    if not (above and below):
+        default = "" if name == "mollify" else "; None, or leaving it out, is the default"
+        raise OptionsError(f"{name}={value} is not in {limits}{default}.", Status.ERROR_OPTIONS, Element.OPTION, 0)
+
+
 def structure(ctype: str, **values: Any) -> Any:
     """A structure that begins with its size; None in a field is its default, and counts are checked to fit."""
     fields = dict(ffi.typeof(ctype).fields)
     result = ffi.new(f"{ctype} *", {"struct_size": ffi.sizeof(ctype)})
     for name, value in values.items():
         if value is not None:
+            if ctype.endswith("_options"):
+                check_range(name, value)
+            if name == "time_limit":
+                value = max(float(value), _SHORTEST)
             setattr(result, name, as_count(value, name) if fields[name].type.cname == "uint64_t" else value)
     return result
 
@@ -413,6 +450,7 @@ def run(
             result = ffi.gc(out[0], _FREE.get(made, lib.hmf_free))
         watch.reraise()
         message = ffi.string(error.message).decode("utf-8", "replace")
+        message = in_words(message, status) if message else message
         if status != Status.OK and status not in accept:
             raise error_class(status)(message, status, error.element, error.index)
     return Outcome(Status(status), message, result, watch.finished)

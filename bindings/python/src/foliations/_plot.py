@@ -187,7 +187,7 @@ def plot(
     spacing: float | None = None,
     stripes: int = 60,
     zeros: bool = True,
-    loops: Loops | Sequence[ArrayLike] | None = None,
+    loops: Loops | Sequence[ArrayLike] | Literal[False] | None = None,
     quads: QuadMesh | None = None,
     leaves: Leaves | Sequence[Leaves] | None = None,
     colour: Any = "#f4efe6",
@@ -217,7 +217,7 @@ def plot(
     zeros : bool
         Whether to mark the zeros; the area of a mark grows with the order.
     loops : as for :meth:`Hierarchy.solve`, optional
-        Loops to draw.
+        Loops to draw; default those of the foliation, unless quads or leaves are drawn; False: none.
     quads : QuadMesh, optional
         Drawn instead of the surface, with its edges.
     leaves : Leaves, or sequence of Leaves, optional
@@ -295,7 +295,9 @@ def plot(
         # In pieces: one end of a side may be hidden.
         for part in np.arange(4) / 4:
             draw(begin + part * (end - begin), begin + (part + 0.25) * (end - begin), stripe_colour, 0.8, 2)
-    if loops is not None:
+    if loops is None and quads is None and leaves is None:
+        loops = foliation.loops
+    if loops is not None and loops is not False:
         for points in as_loops(loops, None).positions(foliation.hierarchy):
             path = points @ frame.T
             draw(path, np.roll(path, -1, axis=0), loop_colour, 3.0, 3)

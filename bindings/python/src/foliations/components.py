@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, cast, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,7 @@ from .foliation import Foliation
 from .hierarchy import (
     Collapse,
     Hierarchy,
-    LoopsKind,
+    LoopsLike,
     _arrays,
     _build_options,
     _marks,
@@ -183,7 +183,7 @@ class Components(Sequence[Component]):
     @takes(SolveOptions)
     def solve(
         self,
-        loops: Loops | Sequence[ArrayLike] | LoopsKind | None = None,
+        loops: LoopsLike = None,
         weights: ArrayLike | None = None,
         *,
         ratio: float | None = None,
@@ -212,9 +212,9 @@ class Components(Sequence[Component]):
         if weights is not None and (loops is None or isinstance(loops, str)):
             raise ValueError("weights are for loops: give both.")
         given = None
-        kind: LoopsKind = "cut"
+        kind = "cut"
         if isinstance(loops, str):
-            kind = cast(LoopsKind, loops)
+            kind = loops
         elif loops is not None:
             given = self.split(loops, weights)
         values = np.zeros(self.edge_count)
@@ -237,7 +237,7 @@ class Components(Sequence[Component]):
                             progress=part(callback, done, middle),
                             **building,
                         )
-                        own = hierarchy.loops(kind) if given is None else given[k]
+                        own = kind if given is None else given[k]
                         foliation = hierarchy.solve(own, progress=part(callback, middle, done + share), **options)
                         values[component.whole_edges] = foliation.values
                         message = "" if foliation.status == Status.OK else foliation.status.text
@@ -321,7 +321,7 @@ class ComponentFoliations(Sequence[ComponentRow]):
 def solve_components(
     positions: ArrayLike | MeshLike,
     triangles: ArrayLike | None = None,
-    loops: Loops | Sequence[ArrayLike] | LoopsKind | None = None,
+    loops: LoopsLike = None,
     weights: ArrayLike | None = None,
     *,
     ratio: float | None = None,
@@ -336,13 +336,15 @@ def solve_components(
     """The harmonic foliation of a mesh of one or several components in one call.
 
     A :class:`Components`, and :meth:`Components.solve` of it; for the parameters
-    see these two.  ``marked_vertices="suggest"``: those of :func:`suggest_marks`.
+    see these two.  ``marked_vertices``: default and "suggest": those of :func:`suggest_marks`; ``[]``: none.
     """
     mesh = _mesh(positions, triangles)
     limits: dict[str, Any] = {"memory_limit": memory_limit, "mollify": mollify}
     with progress_callback(progress, "foliations") as callback:
         marks = marked_vertices
         begin = 0.0
+        if marks is None:
+            marks = "suggest"
         if isinstance(marks, str):
             if marks != "suggest":
                 raise ValueError(f'marked_vertices is {marks!r}; give "suggest", or vertices.')

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Cylinder:
     """One cylinder; lengths are those of the flat metric du^2 + dv^2, in the unit of the values."""
 
-    loop: int | None  #: which of the given loops; None if none were given
+    loop: int | None  #: which of the loops; None if there are none
     height: float  #: the weight of the loop, exactly
     circumference: float
     modulus: float  #: height / circumference
@@ -61,7 +61,7 @@ def cylinders(
     Parameters
     ----------
     loops, weights : as for :meth:`Hierarchy.solve`, optional
-        Those that the values belong to, to say which cylinder is whose.
+        Those that the values belong to, to say which cylinder is whose; default those of :attr:`Foliation.loops`.
     progress : bool or function, optional
         As for :class:`Hierarchy`.
 
@@ -72,7 +72,7 @@ def cylinders(
     LoopError
         The loops cannot be used.
     """
-    given, alive = loop_structure(loops, weights)
+    given, alive = loop_structure(foliation.loops if loops is None else loops, weights)
     made = call(lib.hmf_cylinders, foliation._pointer, given, progress=progress)
     del alive
     return Cylinders(view(made, made.list, made.count), Loops._of(made.leaves, made))

@@ -8,7 +8,11 @@ called, with a plain :class:`TypeError` or :class:`ValueError`.
 
 from __future__ import annotations
 
+import re
+import sys
+import warnings
 from enum import IntEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ._native import ffi, lib
@@ -176,6 +180,49 @@ class LimitWarning(UserWarning):
 
     With LIMIT_CLASS it may not belong to the loops either: ``class_state`` of the report.
     """
+
+
+class MeshWarning(UserWarning):
+    """A mesh was read or built, but something about it looks wrong: statements that were skipped, small holes."""
+
+
+_HERE = Path(__file__).parent
+
+
+def warn(sentence: str, category: type[Warning]) -> None:
+    """A warning at the line that called the package."""
+    depth = 1
+    while Path(sys._getframe(depth).f_code.co_filename).parent == _HERE:
+        depth += 1
+    warnings.warn(sentence, category, stacklevel=depth + 1)
+
+
+# What sentences of the C library call otherwise than this package.  Other sentences with its words are left out.
+_WORDS: tuple[tuple[str, str], ...] = (
+    ("set mollify in the build options", "give mollify=1e-5"),
+    ("HMF_METHOD_WHITEHEAD has none", 'method="whitehead" has none'),
+    ("Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", 'Use the loops "cut" or "pants"'),
+    ("use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", 'use the loops "cut" or "pants"'),
+    ("report->class_state", "report.class_state"),
+    ("Build each component of hmf_components on its own", "Give repair(mesh) or use solve_components"),
+    ("Use hmf_loops, or another mesh", "Use other loops, or another mesh"),
+    ("; hmf_singularities lists them", "; Foliation.singularities() lists them"),
+    ("Start from hmf_initialize or a result of hmf_solve", "Start from Hierarchy.initialize or a result of a solve"),
+    ("; hmf_memory_estimate gives a sufficient value", "; memory_estimate gives a sufficient value"),
+    ("with hmf_interpolate", "with Foliation.interpolate"),
+    ("with hmf_relax", "with Foliation.relax"),
+    ("Give one of them, the other NULL", "Give one of them"),
+)
+_FOREIGN = re.compile(r"hmf_|HMF_|NULL|struct_size|sizeof|->|position_stride|element_kind|_count\b|optimis")
+
+
+def in_words(message: str, status: int) -> str:
+    """A sentence of the C library in the words of this package."""
+    for library, package in _WORDS:
+        message = message.replace(library, package)
+    message = message.replace("optimisation", "optimization")
+    kept = [part for part in re.split(r"(?<=\.)\s+", message) if part and not _FOREIGN.search(part)]
+    return " ".join(kept) or Status(status).text.capitalize() + "."
 
 
 _CLASSES: dict[int, type[Error]] = {

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import os
-import sys
-import warnings
 import zlib
 from contextvars import ContextVar
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 from zipfile import BadZipFile
 
@@ -33,12 +30,13 @@ from ._options import RelaxOptions, solve_options, takes
 from ._show import repr_png, show
 from .atlas import atlas
 from .cylinders import cylinders
-from .errors import Cancelled, LimitWarning, Status
+from .errors import Cancelled, LimitWarning, Status, warn
 from .export import export_foliation, export_singularities
 from .leaves import trace
+from .loops import Loops, as_loops
 from .parameterization import parameterize
 from .quads import quads
-from .report import Report, read_report
+from .report import Report, boundary_words, read_report
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -52,7 +50,6 @@ quiet: ContextVar[bool] = ContextVar("quiet", default=False)
 
 #: Statuses with which hmf_solve and hmf_relax may give a foliation.
 STOPPED = frozenset(status for status in Status if status.name.startswith("LIMIT_")) | {Status.CANCELLED}
-_HERE = Path(__file__).parent
 _SINGULARITY_KINDS: dict[int, SingularityKind] = names("SINGULAR")
 
 
@@ -141,6 +138,8 @@ class Foliation:
     _status: Status
     _report: Report | None
     _energy: float | None
+    _loops: Loops | str | None
+    _weights: Floats | None
 
     def __init__(self) -> None:
         raise TypeError("foliations are made by foliations.solve, or by solve, initialize and foliation of a Hierarchy")
@@ -156,7 +155,13 @@ class Foliation:
         foliation._status = status
         foliation._report = None
         foliation._energy = None
+        foliation._loops = foliation._weights = None
         return foliation
+
+    def _belongs_to(self, loops: Loops | str | None, weights: Floats | None) -> Foliation:
+        """Loops, or a kind of loops of the library, with weights; they give its class."""
+        self._loops, self._weights = loops, weights
+        return self
 
     @staticmethod
     def _again(hierarchy: Hierarchy, level: int, values: Floats, status: Status, report: Report | None) -> Foliation:
@@ -198,6 +203,16 @@ class Foliation:
         return self._hierarchy
 
     @property
+    def loops(self) -> Loops | None:
+        """The loops that it was solved for, with their weights; None of values that came without any.
+
+        Those of the library lie on your mesh, level 0.
+        """
+        if isinstance(self._loops, str):
+            self._loops = as_loops(self._hierarchy.loops(self._loops), self._weights)  # type: ignore[arg-type]
+        return self._loops
+
+    @property
     def level(self) -> int:
         """Its level; 0 is your mesh."""
         return int(lib.hmf_foliation_level(self._pointer))
@@ -234,7 +249,12 @@ class Foliation:
     def report(self) -> Report | None:
         """Report of the solve that made it; None if none did."""
         if self._report is None:
-            self._report = read_report(lib.hmf_foliation_report(self._pointer))
+            self._report = read_report(lib.hmf_foliation_report(self._pointer), self._hierarchy.boundary_count)
+            if self._report is not None and self._report.boundaries:
+                # The library counts on the closed double.
+                found = self.singularities()._rows["index"]
+                zeros, poles = -int(found[found < 0].sum()), int(found[found > 0].sum())
+                self._report = replace(self._report, zeros=zeros, poles=poles, index_sum=int(found.sum()))
         return self._report
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
@@ -299,7 +319,9 @@ class Foliation:
         )
 
     def interpolate(self, level: int, *, progress: ProgressOption = None) -> Foliation:
-        """The same class on another level, finer or coarser; exact.
+        """The same class on another level, finer or coarser: exact in its class, but not harmonic there.
+
+        For a quick preview of a mesh solve with ``stop_level`` instead.
 
         Raises
         ------
@@ -309,7 +331,7 @@ class Foliation:
             The values have a pole.
         """
         made = call(lib.hmf_interpolate, self._pointer, as_count(level, "level"), progress=progress)
-        return Foliation._of(self._hierarchy, made)
+        return Foliation._of(self._hierarchy, made)._belongs_to(self._loops, self._weights)
 
     @takes(RelaxOptions)
     def relax(self, *, progress: ProgressOption = None, **options: Unpack[RelaxOptions]) -> Foliation:
@@ -321,7 +343,7 @@ class Foliation:
             The values have a pole.
         """
         outcome = run(lib.hmf_relax, self._pointer, solve_options(options), progress=progress, accept=STOPPED)
-        return solved(self._hierarchy, outcome)
+        return solved(self._hierarchy, outcome, self._loops, self._weights)
 
     # What one does with it: include/hmf/uses.h, a module for each.
     parameterize = parameterize
@@ -334,23 +356,28 @@ class Foliation:
     _repr_png_ = repr_png
 
     def __repr__(self) -> str:
-        return f"<Foliation on level {self.level}: {len(self._values)} edges, {self._status.name}>"
+        mesh = self._hierarchy
+        energy = "" if self.report is None else f", energy {self.report.energy:.6g}"
+        return (
+            f"<Foliation on level {self.level}: genus {mesh.genus}, {boundary_words(mesh.boundary_count)}"
+            f"{len(self._values)} edges{energy}, {self._status.name}>"
+        )
 
 
 def _checksum(hierarchy: Hierarchy, level: int) -> int:
     return zlib.crc32(hierarchy.levels[level].triangles.tobytes())
 
 
-def solved(hierarchy: Hierarchy, outcome: Outcome) -> Foliation:
+def solved(
+    hierarchy: Hierarchy, outcome: Outcome, loops: Loops | str | None = None, weights: Floats | None = None
+) -> Foliation:
     """The foliation that hmf_solve or hmf_relax gave, with a warning if a limit stopped it."""
     status = outcome.status
-    foliation = None if outcome.result is None else Foliation._of(hierarchy, outcome.result, status)
+    foliation = None
+    if outcome.result is not None:
+        foliation = Foliation._of(hierarchy, outcome.result, status)._belongs_to(loops, weights)
     if foliation is None or (status == Status.CANCELLED and not outcome.finished):
         raise Cancelled(outcome.message, status, foliation=foliation)
     if status not in (Status.OK, Status.CANCELLED) and not quiet.get():
-        # Of the line that called the package.
-        depth = 1
-        while Path(sys._getframe(depth).f_code.co_filename).parent == _HERE:
-            depth += 1
-        warnings.warn(outcome.message, LimitWarning, stacklevel=depth + 1)
+        warn(outcome.message, LimitWarning)
     return foliation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,15 +29,24 @@ from ._boundary import (
 )
 from ._native import ffi, lib
 from ._options import RelaxOptions, SolveOptions, solve_options, takes
+from .errors import Element, MeshError, MeshWarning, Status, warn
 from .foliation import STOPPED, Foliation, solved
 from .loops import Loops, loop_structure
 from .meshes import MeshLike, as_mesh
+from .report import boundary_words
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
+#: Loops that the library makes on a mesh with its marked vertices.
 LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
+#: What a solve takes for its loops.
+LoopsLike = Union[Loops, Sequence[ArrayLike], Literal["cut", "handle", "tunnel", "pants", "even"], None]
+#: Vertices, "suggest" (those of :func:`suggest_marks`), or None: suggested on spheres and disks, else none.
+MarksLike = Union[Sequence[int], NDArray[Any], Literal["suggest"], None]
+_FEW_EDGES = 4  # a boundary of so many is rarely meant
+_SHORT_BOUNDARY = 0.01  # of the diagonal of the box
 
 # Share of the build in the progress of foliations.solve, about its share of the time.
 _BUILD_SHARE = 0.25
@@ -158,15 +167,18 @@ class Hierarchy:
         Which edges are collapsed: the shortest to its midpoint (default) or
         to one end, or that of least quadric error to its best point.
     memory_limit : int, optional
-        Bytes in use at any time, 0 = none; also bounds each later call.
+        Bytes in use at any time, default none; also bounds each later call.
     mollify : float, optional
         In [0, 0.1], default 0 = off; try 1e-5.  Accepts triangles without
         area and edges without length: the edges of level 0 get longer by the
         least amount with which every triangle inequality holds by a margin of
         mollify * mean length.
-    marked_vertices : sequence of int, optional
-        Vertices that may carry a pole, such as those of :func:`suggest_marks`;
-        a sphere needs four or more, a disk four on its boundary or two inside.  They stay where they are on every level.
+    marked_vertices : sequence of int or "suggest", optional
+        Vertices that may carry a pole, which stay where they are on every level;
+        a sphere needs four or more, a disk four on its boundary or two inside.  Default, for these, and "suggest":
+        those of :func:`suggest_marks`.  ``[]``: none.
+    closed : bool
+        True: a mesh with a boundary is refused.
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
@@ -197,25 +209,100 @@ class Hierarchy:
         collapse: Collapse | None = None,
         memory_limit: int | None = None,
         mollify: float | None = None,
-        marked_vertices: Sequence[int] | NDArray[Any] | None = None,
+        marked_vertices: MarksLike = None,
+        closed: bool = False,
         progress: ProgressOption = None,
     ) -> None:
+        points, corners = _mesh(positions, triangles)
+        limits: dict[str, Any] = {"memory_limit": memory_limit, "mollify": mollify}
+        suggests = marked_vertices is None
+        if isinstance(marked_vertices, str):
+            if marked_vertices != "suggest":
+                raise ValueError(f'marked_vertices is {marked_vertices!r}; give "suggest", or vertices.')
+            marked_vertices = suggest_marks(points, corners, **limits)
         self._options: dict[str, Any] = {
             "ratio": ratio,
             "coarsest": coarsest,
             "collapse": collapse,
-            "memory_limit": memory_limit,
-            "mollify": mollify,
+            **limits,
             "marked_vertices": None if marked_vertices is None else _marks(marked_vertices),
         }
-        points, corners = _mesh(positions, triangles)
-        self._pointer = call(
-            lib.hmf_build,
-            *_arrays(points, corners),
-            _build_options(**self._options, position_stride=_stride(points)),
-            progress=progress,
-        )
+
+        def build() -> Any:
+            options = _build_options(**self._options, position_stride=_stride(points))
+            return call(lib.hmf_build, *_arrays(points, corners), options, progress=progress)
+
+        #: (n,) uint32: where vertices without a triangle were dropped, the numbers that the others had; else None.
+        self.kept_vertices: Indices | None = None
+        try:
+            self._pointer = build()
+        except MeshError as error:
+            if error.status == Status.ERROR_MESH_UNUSED_VERTEX:
+                points, corners = self._drop_unused(points, corners)
+            elif error.status != Status.ERROR_MESH_GENUS or not suggests:
+                raise
+            if suggests:
+                self._options["marked_vertices"] = _suggested(points, corners, error, limits)
+            self._pointer = build()
         self._levels = tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
+        if self.boundary_count:
+            self._look_at_boundaries(closed)
+
+    def _drop_unused(self, points: Floats, corners: Indices) -> tuple[Floats, Indices]:
+        kept, numbers = np.unique(corners, return_inverse=True)
+        marks = self._options["marked_vertices"]
+        if marks is not None:
+            unknown = np.setdiff1d(marks, kept)
+            if len(unknown):
+                raise ValueError(f"marked vertex {unknown[0]} belongs to no triangle.")
+            self._options["marked_vertices"] = frozen(np.searchsorted(kept, marks).astype(np.uint32))
+        dropped = len(points) - len(kept)
+        warn(
+            f"dropped {dropped} {'vertex' if dropped == 1 else 'vertices'} without a triangle; the others are numbered "
+            "without them, Hierarchy.kept_vertices has their numbers in the mesh that was given.",
+            MeshWarning,
+        )
+        self.kept_vertices = frozen(kept.astype(np.uint32))
+        return np.ascontiguousarray(points[kept]), numbers.reshape(corners.shape).astype(np.uint32)
+
+    @property
+    def boundaries(self) -> tuple[Indices, ...]:
+        """The vertices of each boundary curve, in their order along it; by their first edge."""
+        mesh = self.levels[0]
+        sides = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+        edges = mesh.triangle_edges.reshape(-1)
+        single = np.bincount(edges, minlength=mesh.edge_count)[edges] == 1
+        following: dict[int, int] = {b: a for a, b in sides[single].tolist()}
+        curves = []
+        while following:
+            start = next(iter(following))
+            curve = [start]
+            while (vertex := following.pop(curve[-1])) != start:
+                curve.append(vertex)
+            curves.append(frozen(np.array(curve, dtype=np.uint32)))
+        return tuple(curves)
+
+    def _look_at_boundaries(self, closed: bool) -> None:
+        curves = self.boundaries
+        if closed:
+            raise MeshError(
+                f"The mesh has {boundary_words(len(curves))[:-2]}, the first with {len(curves[0])} edges, "
+                f"and closed=True was given. Close it, for example with repair(mesh, fill_holes={len(curves[0])}).",
+                Status.ERROR_MESH_BOUNDARY,
+                Element.VERTEX,
+                int(curves[0][0]),
+            )
+        points = self.levels[0].positions
+        short = _SHORT_BOUNDARY * float(np.linalg.norm(np.ptp(points, axis=0)))
+        lengths = [float(np.linalg.norm(points[c] - points[np.roll(c, -1)], axis=1).sum()) for c in curves]
+        holes = [len(c) for c, length in zip(curves, lengths) if len(c) <= _FEW_EDGES or length < short]
+        if holes:
+            looks = "1 boundary looks like a hole" if len(holes) == 1 else f"{len(holes)} boundaries look like holes"
+            warn(
+                f"{looks} by accident, the smallest with {min(holes)} edges; a hole changes the answer: "
+                f"repair(mesh, fill_holes={min(holes)}) closes such ones, closed=True refuses them.",
+                MeshWarning,
+            )
 
     @classmethod
     def _rebuild(cls, positions: Floats, triangles: Indices, options: dict[str, Any]) -> Hierarchy:
@@ -235,6 +322,12 @@ class Hierarchy:
     def genus(self) -> int:
         """Genus of the surface; 0 only with marked vertices."""
         return int(lib.hmf_genus(self._pointer))
+
+    @property
+    def marked_vertices(self) -> Indices:
+        """(n,) uint32: those that were given or suggested."""
+        marks = self._options["marked_vertices"]
+        return frozen(np.empty(0, np.uint32)) if marks is None else marks
 
     @property
     def boundary_count(self) -> int:
@@ -259,19 +352,18 @@ class Hierarchy:
             which leave pairs of pants.  With boundary "cut" has also one loop
             along each boundary and, on a disk, arcs; there is no "handle" and "tunnel".
         level : int, optional
-            Default: the coarsest, where they are found fastest; 0 with boundary.
+            Default 0, your mesh; on the coarsest, ``len(levels) - 1``, they are found fastest.
         progress : bool or function, optional
             As for :class:`Hierarchy`.
         """
-        default = 0 if self.boundary_count else len(self.levels) - 1
-        number = default if level is None else as_count(level, "level")
+        number = 0 if level is None else as_count(level, "level")
         value = constant("LOOPS", kind, "kind of loops")
         made = call(lib.hmf_loops, self._pointer, number, value, progress=progress)
         return Loops._of(made, made)
 
     def initialize(
         self,
-        loops: Loops | Sequence[ArrayLike] | None = None,
+        loops: LoopsLike = None,
         weights: ArrayLike | None = None,
         *,
         progress: ProgressOption = None,
@@ -288,12 +380,29 @@ class Hierarchy:
         LoopError
             A loop is not closed, simple and essential, or two of them cross or are freely homotopic.
         """
-        if loops is None:
-            loops = self.loops()
-        given, alive = loop_structure(loops, weights)
+        chosen = self._loops_of(loops, "cut", weights, None)
+        given, alive = loop_structure(chosen, weights)
         made = call(lib.hmf_initialize, self._pointer, given, progress=progress)
-        del alive
-        return Foliation._of(self, made)
+        kind = loops if isinstance(loops, str) and loops != "even" else "cut" if loops is None else alive
+        return Foliation._of(self, made)._belongs_to(kind, None if alive is None else alive.weights)
+
+    def _loops_of(
+        self, loops: LoopsLike, default: LoopsKind | None, weights: ArrayLike | None, method: str | None
+    ) -> Loops | Sequence[ArrayLike] | None:
+        """Loops of a kind, where they are found fastest."""
+        kind = default if loops is None else loops
+        if kind is None or not isinstance(kind, str):
+            return kind
+        if kind == "even":
+            mesh = self.levels[0]
+            marks = self.marked_vertices
+            return even_design(
+                mesh.positions, mesh.triangles, marked_vertices=marks if len(marks) else None, no_poles=True
+            ).loops
+        constant("LOOPS", kind, 'loops, beside "even",')  # refuses other names
+        fine = self.boundary_count > 0 or method == "single_level"
+        of_library: Any = kind
+        return self.loops(of_library, level=0 if fine else len(self.levels) - 1)
 
     def foliation(self, values: ArrayLike, *, level: int = 0, progress: ProgressOption = None) -> Foliation:
         """Your own values as a foliation, for example ones that were stored.
@@ -320,7 +429,7 @@ class Hierarchy:
     @takes(RelaxOptions, SolveOptions)
     def solve(
         self,
-        loops: Loops | Sequence[ArrayLike] | None = None,
+        loops: LoopsLike = None,
         weights: ArrayLike | None = None,
         *,
         initial: Foliation | None = None,
@@ -331,9 +440,10 @@ class Hierarchy:
 
         Parameters
         ----------
-        loops : Loops, or sequence of sequences of int, optional
+        loops : Loops, sequence of sequences of int, or a kind; optional
             On any level; plain sequences are closed paths along the edges of
-            your mesh, as vertices.  Default: ``self.loops("cut")``.
+            your mesh, as vertices.  A kind: "cut" (default), "handle", "tunnel" or "pants", see :meth:`loops`; "even":
+            those of :func:`even_design` for these marked vertices, with its weights.
         weights : (number of loops,) floats, optional
             Positive, the unit of the values; default those of the loops.
         initial : Foliation, optional
@@ -362,24 +472,42 @@ class Hierarchy:
         """
         if initial is not None and (loops is not None or weights is not None):
             raise ValueError("initial values have a class and weights of their own: give no loops and no weights.")
-        if loops is None and weights is not None:
-            loops = self.loops(level=0 if options.get("method") == "single_level" else None)
-        given, alive = loop_structure(loops, weights)
+        if isinstance(loops, str) and loops == "cut":
+            loops = None
+        kind: LoopsKind | None = "cut" if weights is not None and initial is None else None
+        chosen = self._loops_of(loops, kind, weights, options.get("method"))
+        given, alive = loop_structure(chosen, weights)
         start = None if initial is None else initial._pointer
         settings = solve_options(options, start=start)
         if alive is None and start is None:
             outcome = run(lib.hmf_solve_cut_system, self._pointer, settings, progress=progress, accept=STOPPED)
         else:
             outcome = run(lib.hmf_solve, self._pointer, given, settings, progress=progress, accept=STOPPED)
-        del alive
-        return solved(self, outcome)
+        if initial is not None:
+            return solved(self, outcome, initial._loops, initial._weights)
+        if alive is None or (isinstance(loops, str) and loops != "even") or loops is None:
+            known: Loops | str = loops if isinstance(loops, str) else "cut"
+            return solved(self, outcome, known, None if alive is None else alive.weights)
+        return solved(self, outcome, alive, alive.weights)
 
     def __repr__(self) -> str:
         mesh = self.levels[0]
         return (
-            f"<Hierarchy: genus {self.genus}, {mesh.vertex_count} vertices, {mesh.triangle_count} triangles, "
+            f"<Hierarchy: genus {self.genus}, {boundary_words(self.boundary_count)}{mesh.vertex_count} vertices, "
+            f"{mesh.triangle_count} triangles, "
             f"{len(self.levels)} levels>"
         )
+
+
+def _suggested(points: Floats, corners: Indices, error: MeshError, limits: dict[str, Any]) -> Indices | None:
+    """Marks for a mesh that needs some; where there are none the error stands."""
+    try:
+        marks = suggest_marks(points, corners, **limits)
+    except MeshError:
+        marks = None
+    if error.status == Status.ERROR_MESH_GENUS and (marks is None or len(marks) == 0):
+        raise error
+    return marks if marks is not None and len(marks) else None
 
 
 def suggest_marks(
@@ -407,7 +535,7 @@ def suggest_marks(
     return view(made, made.vertices, made.count)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Design:
     """Marked vertices, loops and weights that suit each other; made by :func:`even_design`."""
 
@@ -416,6 +544,12 @@ class Design:
     unevenness: float  #: on the coarse mesh of the search, see :attr:`Foliation.unevenness`
     unevenness_before: float  #: there, of the loops "cut" with weights 1
     solves: int  #: of the search
+
+    def __repr__(self) -> str:
+        return (
+            f"<Design: {len(self.loops)} loops, {len(self.marked_vertices)} marked vertices, unevenness "
+            f"{self.unevenness:.3g} instead of {self.unevenness_before:.3g}>"
+        )
 
 
 def even_design(
@@ -486,7 +620,7 @@ def memory_estimate(
 def solve(
     positions: ArrayLike | MeshLike,
     triangles: ArrayLike | None = None,
-    loops: Loops | Sequence[ArrayLike] | Literal["even"] | None = None,
+    loops: LoopsLike = None,
     weights: ArrayLike | None = None,
     *,
     ratio: float | None = None,
@@ -494,7 +628,8 @@ def solve(
     collapse: Collapse | None = None,
     memory_limit: int | None = None,
     mollify: float | None = None,
-    marked_vertices: Sequence[int] | NDArray[Any] | None = None,
+    marked_vertices: MarksLike = None,
+    closed: bool = False,
     initial: Foliation | None = None,
     progress: ProgressOption = None,
     **options: Unpack[SolveOptions],
@@ -504,18 +639,17 @@ def solve(
     ``solve(positions, triangles)``, ``solve("mesh.obj")``, or of a mesh of trimesh, meshio, pyvista or Open3D.
     For the parameters, the result and the errors see these two; ``time_limit``
     is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
-    ``loops="even"``: those of :func:`even_design`, with its marked vertices and weights.
+    ``loops="even"``: those of :func:`even_design`, which chooses marked vertices and weights as well.
     """
     with progress_callback(progress, "foliations") as callback:
         begin = 0.0
-        if isinstance(loops, str):
-            if loops != "even":
-                raise ValueError(f'loops is {loops!r}; give "even", Loops, or paths.')
+        if isinstance(loops, str) and loops == "even":
             begin = _DESIGN_SHARE
+            positions, triangles = _mesh(positions, triangles)
             design = even_design(
                 positions,
                 triangles,
-                marked_vertices=marked_vertices,
+                marked_vertices=None if isinstance(marked_vertices, str) else marked_vertices,
                 memory_limit=memory_limit,
                 mollify=mollify,
                 progress=part(callback, 0.0, begin),
@@ -530,6 +664,7 @@ def solve(
             memory_limit=memory_limit,
             mollify=mollify,
             marked_vertices=marked_vertices,
+            closed=closed,
             progress=part(callback, begin, begin + (1 - begin) * _BUILD_SHARE),
         )
         return hierarchy.solve(

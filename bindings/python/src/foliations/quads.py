@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from ._boundary import Floats, Indices, ProgressOption, call, structure, view
 from ._native import lib
@@ -13,8 +15,9 @@ if TYPE_CHECKING:
     from .foliation import Foliation
 
 
-class QuadMesh(NamedTuple):
-    """A closed quad mesh from :meth:`Foliation.quads`; arrays are read-only."""
+@dataclass(frozen=True, repr=False)
+class QuadMesh:
+    """A quad mesh from :meth:`Foliation.quads`; arrays are read-only.  ``len`` is the number of quads."""
 
     #: (n, 3) float64: points of the surface.  The first ones are the zeros, in
     #: the order of Foliation.singularities.
@@ -32,6 +35,19 @@ class QuadMesh(NamedTuple):
     area_ratio: float = 0.0
     #: Greatest distance of a vertex of the surface from the quads near it.
     distance: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.quads)
+
+    def __iter__(self) -> Iterator[Any]:
+        """``positions, quads, ... = mesh``."""
+        return iter(getattr(self, name) for name in self.__dataclass_fields__)
+
+    def __repr__(self) -> str:
+        return (
+            f"<QuadMesh: {len(self.quads)} quads, {len(self.positions)} vertices, {self.irregular_count} irregular, "
+            f"{self.inverted_count} inverted>"
+        )
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Writes ``.obj``, ``.off``, ``.ply``, ``.vtp``, or ``.glb``, where each quad becomes two triangles."""

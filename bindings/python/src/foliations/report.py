@@ -36,7 +36,7 @@ class HistoryEntry(NamedTuple):
     kind: str  #: "interpolation", "sweep" or "linear solve"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
     """Report of :meth:`Hierarchy.solve` and :meth:`Foliation.relax`."""
 
@@ -46,8 +46,9 @@ class Report:
     residual_max: float  #: relative coclosedness residual, see Foliation.residuals
     residual_mean: float
     poles: int  #: always 0
-    zeros: int  #: counted with their orders: 4 genus - 4 + marked vertices
-    index_sum: int  #: 4 - 4 genus - marked vertices
+    zeros: int  #: counted with their orders: 4 genus - 4 + marked vertices; with boundary those of the surface
+    index_sum: int  #: 4 - 4 genus - marked vertices; with boundary the sum over the surface
+    boundaries: int  #: closed curves that the boundary of the surface consists of
     bad_flips: int  #: flips of case 4 of the paper that would have made a pole
     bad_flips_left: int  #: and did
     solve_seconds: float
@@ -66,7 +67,8 @@ class Report:
         residual = f"residual {self.residual_max:.2g}" if self.residual_max >= 0 else "residual not evaluated"
         lines = [
             f"{self.method}: {reached}, {residual}",
-            f"energy {self.energy:.12g}, {self.zeros} zeros, {self.poles} poles, class {self.class_state}",
+            f"{boundary_words(self.boundaries)}energy {self.energy:.12g}, {_counted(self.zeros, 'zero')}, "
+            f"{_counted(self.poles, 'pole')}, class {self.class_state}",
             f"{self.solve_seconds:.3g} s, {self.peak_memory_bytes / 1e6:.3g} MB, {len(self.history)} steps",
             "level  vertices     edges  sweeps  linear solves  seconds",
         ]
@@ -76,6 +78,12 @@ class Report:
             lines.append(f"{counts}{seconds:9.3f}")
         return "\n".join(lines)
 
+    def __repr__(self) -> str:
+        reached = "converged" if self.converged else "not converged"
+        return (
+            f"<Report: {self.method}, {reached}, energy {self.energy:.6g}, class {self.class_state}; print it for more>"
+        )
+
 
 def _entry(row: Any) -> HistoryEntry:
     seconds, energy, residual, level, kind = row
@@ -83,12 +91,24 @@ def _entry(row: Any) -> HistoryEntry:
     return HistoryEntry(seconds, energy, None if residual < 0 else residual, level, name)
 
 
-def read_report(pointer: Any) -> Report | None:
+def _counted(number: int, noun: str, several: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else several or noun + 's'}"
+
+
+def boundary_words(count: int) -> str:
+    """In a summary; a closed surface needs no words."""
+    return "" if count == 0 else _counted(count, "boundary", "boundaries") + ", "
+
+
+def read_report(pointer: Any, boundary_count: int) -> Report | None:
     """The report of a foliation; None of NULL."""
     if pointer == ffi.NULL:
         return None
     # Read at once, so that nothing has to keep the memory.
-    fields: dict[str, Any] = {name: getattr(pointer, name) for name in Report.__dataclass_fields__}
+    fields: dict[str, Any] = {
+        name: getattr(pointer, name) for name in Report.__dataclass_fields__ if name != "boundaries"
+    }
+    fields["boundaries"] = boundary_count
     fields["method"] = names("METHOD").get(pointer.method, str(pointer.method))
     fields["class_state"] = names("CLASS").get(pointer.class_state, str(pointer.class_state))
     fields["converged"] = bool(pointer.converged)

@@ -6,6 +6,7 @@ import inspect
 import os
 import time
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from ._options import SolveOptions
 from .errors import Error, Status
 from .foliation import quiet
-from .hierarchy import Hierarchy
+from .hierarchy import Hierarchy, even_design
 from .loops import Loops
 from .meshes import as_mesh
 
@@ -51,10 +52,11 @@ def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
     row : dict
         ``mesh`` (a file name or a mesh object), or ``positions`` and
         ``triangles``.  Optional: ``loops`` (of vertices, :class:`Loops`, or one
-        of "cut", "handle", "tunnel", "pants"), ``weights``, the options of
+        of "cut", "handle", "tunnel", "pants", "even"), ``weights``, the options of
         :func:`solve`, ``save`` (a file for :meth:`Foliation.save`), ``export``
         (a file for :meth:`Foliation.export`), ``with_values`` (True: a column
         ``values`` with one number for each edge).
+        Other columns are carried on; one that is nearly the name of an option is a TypeError.
     defaults
         The same, for rows that do not have them.
 
@@ -78,6 +80,9 @@ def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
     for name in set(defaults) - set(given):
         if _given(defaults[name]):
             given[name] = defaults[name]
+    for name in set(row) - set(_INPUT):
+        if near := get_close_matches(str(name), _INPUT, 1, 0.8):
+            raise TypeError(f"solve_row has no option {name}; did you mean {near[0]}?")
     result: dict[str, Any] = {name: value for name, value in row.items() if name not in _DROPPED}
     mesh = result.get("mesh")
     if isinstance(mesh, os.PathLike):
@@ -127,6 +132,10 @@ def _solve(given: dict[str, Any], result: dict[str, Any]) -> None:
     else:
         raise ValueError("the row has no mesh: give mesh (a file name), or positions and triangles.")
     started = time.perf_counter()
+    if isinstance(given.get("loops"), str) and given["loops"] == "even":
+        marks = options.get("marked_vertices")
+        design = even_design(*mesh, marked_vertices=None if isinstance(marks, str) else marks)
+        options["marked_vertices"], given["loops"] = design.marked_vertices, design.loops
     hierarchy = Hierarchy(*mesh, **{name: options[name] for name in _BUILD if name in options})
     level = hierarchy.levels[0]
     result.update(
@@ -137,9 +146,7 @@ def _solve(given: dict[str, Any], result: dict[str, Any]) -> None:
         genus=hierarchy.genus,
     )
     loops = given.get("loops")
-    if isinstance(loops, str):
-        loops = hierarchy.loops(loops)  # type: ignore[arg-type]
-    elif loops is not None and not isinstance(loops, Loops):
+    if loops is not None and not isinstance(loops, (Loops, str)):
         loops = [np.asarray(loop) for loop in loops]
     foliation = hierarchy.solve(
         loops, given.get("weights"), **{name: options[name] for name in _SOLVE if name in options}

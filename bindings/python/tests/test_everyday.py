@@ -1,0 +1,245 @@
+"""What a first user meets: files, holes, names of choices, zero, sentences, summaries."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from pathlib import Path
+
+import foliations
+import numpy as np
+import pytest
+from conftest import Mesh
+from foliations import solve_row
+from foliations.errors import in_words
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def without(mesh: Mesh, *gone: int) -> Mesh:
+    return mesh[0], np.delete(mesh[1], gone, axis=0)
+
+
+def ball(n: int = 8) -> Mesh:
+    """The surface of a cube of n^3 cubes as a round sphere."""
+    points: dict[tuple[int, ...], int] = {}
+    triangles = []
+    for axis in range(3):
+        for side in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    square = []
+                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                        p = [0, 0, 0]
+                        p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, a, b
+                        square.append(points.setdefault(tuple(p), len(points)))
+                    square = square if side else square[::-1]
+                    triangles += [[square[0], square[1], square[2]], [square[0], square[2], square[3]]]
+    x = np.array(list(points), float) - n / 2
+    return x / np.linalg.norm(x, axis=1)[:, None], np.array(triangles, np.uint32)
+
+
+# --- Choices by name ---------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["cut", "handle", "tunnel", "pants", "even"])
+def test_loops_by_name_everywhere(pretzel: Mesh, kind: str) -> None:
+    foliation = foliations.solve(*pretzel, loops=kind)  # type: ignore[arg-type]
+    hierarchy = foliation.hierarchy
+    assert hierarchy.solve(kind).converged  # type: ignore[arg-type]
+    assert foliations.solve_components(*pretzel, loops=kind)[0].status == foliations.Status.OK  # type: ignore[arg-type]
+    row = solve_row({"mesh": pretzel, "loops": kind})
+    assert row["ok"] and row["energy"] == pytest.approx(foliation.energy, rel=1e-6), row["message"]
+    loops = foliation.loops
+    assert loops is not None and loops.level == 0
+    found = foliation.cylinders()
+    assert sorted(c.loop for c in found) == list(range(len(loops)))
+    assert [c.height for c in sorted(found, key=lambda c: c.loop or 0)] == loops.weights.tolist()
+    again = hierarchy.solve(loops)
+    assert again.energy == pytest.approx(foliation.energy, rel=1e-7)
+
+
+def test_names_that_do_not_exist(pretzel: Mesh) -> None:
+    for call in (
+        lambda: foliations.solve(*pretzel, loops="trousers"),  # type: ignore[arg-type]
+        lambda: foliations.solve_components(*pretzel, loops="trousers"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(ValueError, match="cut, handle, pants, tunnel; got 'trousers'"):
+            call()
+    assert "trousers" in solve_row({"mesh": pretzel, "loops": "trousers"})["message"]
+    with pytest.raises(ValueError, match="suggest"):
+        foliations.Hierarchy(*pretzel, marked_vertices="guess")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="no option wieghts; did you mean weights"):
+        solve_row({"mesh": pretzel, "wieghts": [1, 2]})
+
+
+def test_spheres_and_disks_by_default() -> None:
+    sphere = ball()
+    whole = without(sphere, *range(40))
+    kept, numbers = np.unique(whole[1], return_inverse=True)
+    disk = whole[0][kept], numbers.reshape(-1, 3).astype(np.uint32)
+    for mesh in (sphere, disk):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            foliation = foliations.solve(*mesh)
+        assert foliation.converged and len(foliation.hierarchy.marked_vertices) >= 2
+        assert solve_row({"mesh": mesh})["energy"] == foliation.energy
+        assert foliations.solve(*mesh, marked_vertices="suggest").energy == foliation.energy
+        assert foliations.solve_components(*mesh)[0].foliation is not None
+        with pytest.raises(foliations.MeshError, match="genus 0|marked"):
+            foliations.solve(*mesh, marked_vertices=[])
+
+
+# --- Holes -------------------------------------------------------------------
+
+
+def test_a_hole_is_never_silent(pretzel: Mesh) -> None:
+    closed = foliations.solve(*pretzel)
+    assert "boundar" not in repr(closed) + repr(closed.hierarchy) + str(closed.report)
+    with pytest.warns(
+        foliations.MeshWarning, match="1 boundary looks like a hole by accident, the smallest with 3 edges"
+    ):
+        foliation = foliations.solve(*without(pretzel, 100))
+    assert foliation.report is not None and foliation.report.boundaries == 1
+    for text in (repr(foliation), repr(foliation.hierarchy), str(foliation.report)):
+        assert "1 boundary" in text
+    curve = foliation.hierarchy.boundaries
+    assert [sorted(c.tolist()) for c in curve] == [sorted(pretzel[1][100].tolist())]
+    with pytest.raises(foliations.MeshError, match="1 boundary, the first with 3 edges") as caught:
+        foliations.solve(*without(pretzel, 100), closed=True)
+    assert caught.value.status == foliations.Status.ERROR_MESH_BOUNDARY
+    repaired = foliations.repair(*without(pretzel, 100), fill_holes=3)
+    assert repaired.notes == ("filled 1 hole",) and repaired.faces[-1] == 2**32 - 1
+    again = foliations.solve(repaired.positions, repaired.triangles, closed=True)
+    assert again.energy == pytest.approx(closed.energy, rel=1e-9)
+    assert foliations.solve(*pretzel, closed=True).energy == closed.energy
+
+
+def test_counts_agree(pretzel: Mesh) -> None:
+    """The zeros of a surface with boundary are those of the surface."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", foliations.MeshWarning)
+        foliation = foliations.solve(*without(pretzel, 100))
+    report, zeros = foliation.report, foliation.singularities()
+    assert report is not None and report.zeros == -sum(zero.index for zero in zeros.zeros)
+    assert report.index_sum == zeros.index_sum
+
+
+# --- Files and repairs -------------------------------------------------------
+
+
+def test_unused_vertices_are_dropped(pretzel: Mesh) -> None:
+    points = np.vstack([[[9.0, 9, 9]], pretzel[0], [[8.0, 8, 8]]])
+    with pytest.warns(foliations.MeshWarning, match="dropped 2 vertices"):
+        foliation = foliations.solve(points, pretzel[1] + 1)
+    assert foliation.energy == foliations.solve(*pretzel).energy
+    assert foliation.hierarchy.kept_vertices is not None
+    assert foliation.hierarchy.kept_vertices.tolist() == list(range(1, len(pretzel[0]) + 1))
+
+
+def test_points_in_reach_are_joined(torus: Mesh) -> None:
+    rng = np.random.default_rng(1)
+    soup = torus[0][torus[1]].reshape(-1, 3)
+    soup = soup + rng.uniform(-1e-7, 1e-7, soup.shape)
+    triangles = np.arange(len(soup)).reshape(-1, 3)
+    repaired = foliations.repair(soup, triangles, join_points=1e-6)
+    assert len(repaired.positions) == len(torus[0]) and "joined" in repr(repaired)
+    assert np.array_equal(repaired.triangles, torus[1]) or len(repaired.triangles) == len(torus[1])
+    assert foliations.solve(repaired.positions, repaired.triangles, closed=True).hierarchy.genus == 1
+    exact = torus[0][torus[1]].reshape(-1, 3)
+    assert len(foliations.repair(exact, triangles, join_points=True).positions) == len(torus[0])
+    assert len(foliations.repair(exact, triangles).positions) == len(exact)
+    with pytest.raises(ValueError, match=r"join_points=-1 is not in \[0, inf\)"):
+        foliations.repair(exact, triangles, join_points=-1)
+
+
+def test_files_of_other_programs(tmp_path: Path) -> None:
+    """Polygons as the tool reads them, and a note of what was skipped."""
+    path = tmp_path / "a.obj"
+    outline = [(4, 0), (4, 1), (1, 1), (1, 4), (0, 4), (0, 0)]
+    rows = [f"v {x} {y} {z}" for z in (0, 2) for x, y in outline]
+    rows += ["f 6 5 4 3 2 1", "f 7 8 9 10 11 12"] + [
+        f"f {i + 1} {(i + 1) % 6 + 1} {(i + 1) % 6 + 7} {i + 7}" for i in range(6)
+    ]
+    path.write_text("\n".join(["$ by hand", *rows]))
+    with pytest.warns(foliations.MeshWarning, match="skipped 1 line that is no statement of OBJ"):
+        points, triangles = foliations.read_mesh(path)
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == 46
+
+
+# --- Zero is zero ------------------------------------------------------------
+
+
+def test_zero_is_zero(pretzel: Mesh) -> None:
+    hierarchy = foliations.Hierarchy(*pretzel)
+    with pytest.warns(foliations.LimitWarning, match="time"):
+        assert hierarchy.solve(time_limit=0).status == foliations.Status.LIMIT_TIME
+    foliation = hierarchy.solve(time_limit=None, tolerance=None)
+    refused = {
+        hierarchy.solve: ("tolerance", "residual_tolerance", "iteration_limit", "step_limit"),
+        foliation.quads: ("count", "edge_length"),
+        foliation.trace: ("spacing", "length_limit"),
+        foliation.relax: ("tolerance",),
+    }
+    for function, names in refused.items():
+        for name in names:
+            with pytest.raises(
+                foliations.OptionsError, match=f"^{name}=0 is not in .*None, or leaving it out, is the default"
+            ):
+                function(**{name: 0})
+    for name in ("ratio", "coarsest", "memory_limit"):
+        with pytest.raises(foliations.OptionsError, match=f"{name}=0 is not in"):
+            foliations.Hierarchy(*pretzel, **{name: 0})  # type: ignore[arg-type]
+    assert foliations.Hierarchy(*pretzel, mollify=0).genus == 2
+    with pytest.raises(foliations.OptionsError, match=re.escape("ratio=2 is not in [0.05, 0.95]")):
+        foliations.solve(*pretzel, ratio=2)
+    with pytest.raises(foliations.OptionsError, match=re.escape("mollify=0.2 is not in [0, 0.1]")):
+        foliations.solve(*pretzel, mollify=0.2)
+
+
+# --- Sentences ---------------------------------------------------------------
+
+
+def messages() -> set[str]:
+    """Every sentence with which a call of the library can fail, from its sources."""
+    found = set()
+    for path in [*(ROOT / "src").rglob("*.cpp"), *(ROOT / "src").rglob("*.hpp")]:
+        text = path.read_text(encoding="utf-8")
+        for match in re.finditer(r"\bHMF_(?:ERROR|LIMIT|CANCELLED)\w*,", text):
+            literals = re.match(r"[^;\"]*((?:\"(?:[^\"\\]|\\.)*\"\s*)+)", text[match.end() :])
+            if literals:
+                found.add("".join(re.findall(r"\"((?:[^\"\\]|\\.)*)\"", literals[1])))
+    return {message for message in found if len(message) > 20}
+
+
+def test_every_error_is_in_words_of_python() -> None:
+    if not (ROOT / "src").exists():
+        pytest.skip("the sources of the library are not here")
+    found = messages()
+    assert len(found) > 60
+    for message in sorted(found):
+        said = in_words(message, int(foliations.Status.ERROR_OPTIONS))
+        assert len(said) > 15 and said.endswith("."), (message, said)
+        for word in ("hmf_", "HMF_", "NULL", "struct_size", "sizeof", "->", "build options", "position_stride"):
+            assert word not in said, (message, said)
+
+
+# --- Summaries ---------------------------------------------------------------
+
+
+def test_results_print_a_summary(pretzel: Mesh) -> None:
+    foliation = foliations.solve(*pretzel)
+    results = [
+        foliation, foliation.hierarchy, foliation.report, foliation.quads(), foliation.parameterize(),
+        foliation.cylinders(),
+        foliation.singularities(), foliation.trace(), foliation.atlas(), foliation.loops, foliations.repair(*pretzel),
+        foliations.even_design(*pretzel), foliations.solve_components(*pretzel), foliations.Components(*pretzel),
+    ]  # fmt: skip
+    for result in results:
+        assert len(repr(result)) < 200 and "array(" not in repr(result), type(result)
+    mesh = foliation.quads()
+    assert len(mesh) == len(mesh.quads) and f"{len(mesh)} quads" in repr(mesh)
+    for result in results:
+        assert inspect.getdoc(type(result)), type(result)
