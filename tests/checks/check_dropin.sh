@@ -20,9 +20,9 @@ compare() { # file, program of bindings/same_bits, library
         echo "not ok dropin $1"
         grep -E ' (error|warning):' "$work/$1.log" | cut -c 1-200 | head -12
         failed=1
-    elif ! (cc -std=c99 -I"$work" "$root/bindings/same_bits/$2.c" "$work/$1.o" -lstdc++ -lm -o "$work/$1" &&
+    elif ! (cc -std=c99 -I"$work" "$root/bindings/same_bits/$2.c" "$work/$1.o" -lstdc++ -lm -o "$work/$1-dropin" &&
             cc -std=c99 -I"$root/include" "$root/bindings/same_bits/$2.c" "$build/$3" -lstdc++ -lm -o "$work/$1-library" &&
-            "$work/$1" > "$work/$1.txt" && "$work/$1-library" > "$work/$1-library.txt" && test -s "$work/$1.txt") \
+            "$work/$1-dropin" > "$work/$1.txt" && "$work/$1-library" > "$work/$1-library.txt" && test -s "$work/$1.txt") \
             > "$work/$1.log" 2>&1; then
         echo "not ok dropin-runs $1"
         head -12 "$work/$1.log"
