@@ -303,7 +303,8 @@ typedef struct hmf_parameterization {
  * along its side 0, y to the left of it.
  *
  * Zeros in triangles move to a corner, or to a vertex further away where the
- * corners serve other zeros: cone angles are (2 + order) * pi, at vertices, and
+ * corners serve other zeros or are too far; so does one of two zeros on a vertex, and
+ * one on a marked vertex.  Cone angles are (2 + order) * pi, at vertices, and
  * the sum of (2 - cone) is 4 - 4 * genus.  At a vertex of the
  * boundary it is the angle in the double: 2 where the boundary is straight, and 1
  * at a corner of 90 degrees.
@@ -311,9 +312,15 @@ typedef struct hmf_parameterization {
  * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
  * goes round) triangles are degenerate.
  *
+ * Checked before it is returned: u is harmonic where the foliation is; the energy of du
+ * is between 0.9 and 1.5 times that of the foliation; du and dv are closed in every
+ * triangle; the linear solves have converged; the area of the image is the energy of du
+ * up to 1e-4.
+ *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC,
  * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that it has no vertex for each
- * zero, or an error of classes 100, 200, 500.
+ * zero or that moving them there changes the energy by more, or an error of classes
+ * 100, 200, 500.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
                                     const hmf_control *control, hmf_parameterization **out, hmf_error *error);
@@ -429,7 +436,7 @@ HMF_API hmf_status hmf_trace(const hmf_foliation *foliation, const hmf_trace_opt
 typedef struct hmf_cylinder {
     uint32_t loop;               /* its loop; HMF_NONE if no loops were given */
     uint32_t reserved;           /* 0 */
-    double height;               /* the weight of the loop, exactly */
+    double height;               /* the weight of the loop, rounded to a multiple of hmf_foliation_unit */
     double circumference;        /* of the flat metric du^2 + dv^2, in the unit of the values */
     double modulus;              /* height / circumference */
     double area;                 /* in the flat metric; areas add up to the energy */
@@ -455,7 +462,7 @@ typedef struct hmf_cylinder_set {
  * length of a leaf from boundary to boundary as its circumference, and a loop round
  * a boundary the half of its cylinder on the surface; leaves are arcs for strips.
  *
- * Heights are exact.  Circumference, modulus and area are those of the minimum;
+ * Heights are those of the leaves, in integers.  Circumference, modulus and area are those of the minimum;
  * at the minimum energy = sum of height * circumference = sum of areas.
  * Loop and cylinder are matched by their free homotopy classes, exactly; with
  * marked vertices that takes two runs like hmf_solve on the coarsest level.

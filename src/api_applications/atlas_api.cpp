@@ -44,7 +44,7 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     const double* position = h.levels[level].position;
     FlatOf flat;
     const auto improve = [&](State& state, double&) { return check_harmonic(state, HARMONIC_TOLERANCE, call); };
-    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    if (const hmf_status status = flat.find(*foliation, entry, HARMONIC_TOLERANCE, improve)) return status;
     Leaves leaves;
     Reflection reflection;
     Strips strips;

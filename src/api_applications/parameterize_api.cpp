@@ -45,10 +45,9 @@ extern "C" hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf
     FlatOf flat;
     Parameterization made;
     if (read_seam_edges(*foliation, all, seam_edges, call)) return call.status();
-    const auto improve = [&](State& state, double&) {
-        return check_harmonic(state, all.tolerance > 0 ? all.tolerance : HARMONIC_TOLERANCE, call);
-    };
-    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    const double tolerance = all.tolerance > 0 ? all.tolerance : HARMONIC_TOLERANCE;
+    const auto improve = [&](State& state, double&) { return check_harmonic(state, tolerance, call); };
+    if (const hmf_status status = flat.find(*foliation, entry, tolerance, improve)) return status;
     if (!triangles.build(h, level, call)) return call.stopped();
     const uint32_t start = level == 0 ? internal_side(h, 0) : triangles.of_face[0].side;
     if (made.build(mesh, h.levels[level].position, *flat.flat, start, seam_edges, call)) return call.status();

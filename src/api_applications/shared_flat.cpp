@@ -15,7 +15,8 @@ void free_part(Kept* kept, const hmf_hierarchy& h) {
 
 hmf_status build_flat(const hmf_foliation& foliation, FlatSurface& flat, Call& call) {
     State state;
-    if (load_solved_in_unit_of_values(foliation, state, call) || flat_surface(state, flat, call)) return call.status();
+    if (load_solved_in_unit_of_values(foliation, state, call) || flat_surface(state, 0, flat, call))
+        return call.status();
     return flat_surface_to_input(state, flat, call) ? HMF_OK : call.stopped();
 }
 

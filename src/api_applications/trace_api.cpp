@@ -116,7 +116,7 @@ extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_
     FlatOf flat;
     State state; // becomes |dv|
     const auto improve = [&](State& solved, double& unit) { return to_minimum(solved, unit, call); };
-    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    if (const hmf_status status = flat.find(*foliation, entry, HARMONIC_TOLERANCE, improve)) return status;
     for (double& height : levels.height) height *= foliation->unit / flat.unit;
     if (load_values(*foliation, foliation->level, state, call)) return call.status();
     Lines made(state.foliation, level.position, foliation->unit, all.length_limit, call);

@@ -42,13 +42,13 @@ struct Leaves {
 };
 
 // The flat surface of a foliation on the caller's side: the one that is kept with
-// it, or one of its own after improve(state, unit).
+// it, or one of its own after improve(state, unit), which leaves residuals of at most `residual`.
 struct FlatOf {
     const FlatSurface* flat = nullptr;
     double unit = 1;
 
     template <class Improve>
-    hmf_status find(const hmf_foliation& foliation, Entry& entry, Improve improve) {
+    hmf_status find(const hmf_foliation& foliation, Entry& entry, double residual, Improve improve) {
         Call& call = entry.call;
         unit = foliation.unit;
         if (const hmf_status status = shared_flat(foliation, entry, flat)) return status;
@@ -56,7 +56,7 @@ struct FlatOf {
         flat = &own_;
         State state;
         if (load_solved_in_unit_of_values(foliation, state, call) || improve(state, unit)
-            || flat_surface(state, own_, call))
+            || flat_surface(state, residual, own_, call))
             return call.status();
         return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
     }

@@ -9,28 +9,75 @@
 
 #include "harmonic_form.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
-hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
+namespace {
+
+double energy_of(const int64_t* form, const Mesh& mesh, const double* weight, const Parallel& parallel) {
+    return parallel.sum_blocks<double>(mesh.edge_count, [&](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t e = begin; e < end; ++e) {
+            const double value = static_cast<double>(form[e]);
+            sum += weight[e] * value * value;
+        }
+        return sum;
+    });
+}
+
+// What moving the zeros costs is little where the mesh is fine beside the distances of the zeros.
+hmf_status check_energy(double energy, double of_foliation, Call& call) {
+    constexpr double least = 0.9, most = 1.5;
+    const double ratio = energy / of_foliation;
+    if (ratio > least && ratio < most) return HMF_OK;
+    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                     "The mesh is too coarse: with the zeros at vertices the energy is %.3g times that of the "
+                     "foliation. Subdivide it.",
+                     ratio);
+}
+
+// By Riemann's bilinear relation the area of the image is the energy of du, whatever du is.
+hmf_status check_image(const ImageSum& image, double energy, Call& call) {
+    constexpr double largest = 1e-4; // measured: 5e-6
+    if (image.open == 0 && std::fabs(image.area - energy) <= largest * energy) return HMF_OK;
+    return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                     "(u, v) is not closed in %llu triangles, or its area is not the energy but %.9g times that. "
+                     "Please report it.",
+                     static_cast<unsigned long long>(image.open), image.area / energy);
+}
+
+} // namespace
+
+hmf_status flat_surface(State& state, double residual, FlatSurface& flat, Call& call) {
     // Four decades below what the triangles leave (dilatation 1.01 and more): gradients are off by 1e-7.
     constexpr double tolerance = 1e-7;
-    Foliation& f = state.foliation;
+    // A wrong sign leaves the flux of one side or more; a minimum 1e-8 of what is largest near by.
+    constexpr double share = 1e-4;
+    const Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
-    if (form_of_foliation(f, weight, flat.bundle, flat.du, call)) return call.status();
-    if (!call.tick(0.05)) return call.was_cancelled();
+    const double of_foliation = energy_of(f.value, f.mesh, weight, call.parallel);
+    Array<uint8_t> untouched;
     VertexCharts charts;
-    if (!charts.build(f.mesh, flat.bundle, call)) return call.stopped();
     TwistedLaplacian laplacian;
+    if (form_of_foliation(f, weight, of_foliation, flat.bundle, flat.du, untouched, call)) return call.status();
+    if (!call.tick(0.05)) return call.was_cancelled();
+    if (!charts.build(f.mesh, flat.bundle, call)) return call.stopped();
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
         return call.cancelled() ? call.was_cancelled() : call.status();
     if (!call.tick(0.3)) return call.was_cancelled();
-    if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return call.was_cancelled();
+    const TwistedLaplacian::Known known{untouched.data(), residual > share ? residual : share, of_foliation};
+    if (const hmf_status status = laplacian.make_harmonic(flat.du, tolerance, call, known)) return status;
+    if (!call.tick(0.5)) return call.was_cancelled();
+    const double energy = energy_of(flat.du.value.data(), f.mesh, weight, call.parallel);
+    if (const hmf_status status = check_energy(energy, of_foliation, call)) return status;
     if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call))
         return call.cancelled() ? call.was_cancelled() : call.status();
-    if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8))
-        return call.was_cancelled();
+    if (!call.tick(0.6)) return call.was_cancelled();
+    if (const hmf_status status = laplacian.make_harmonic(flat.dv, tolerance, call, {})) return status;
+    if (!call.tick(0.8)) return call.was_cancelled();
     flat.iterations = laplacian.iterations();
-    return HMF_OK;
+    return check_image(sum_image(f.mesh, flat.bundle, flat.du, flat.dv, call.parallel), energy, call);
 }
 
 Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call) {

@@ -13,9 +13,9 @@ struct FlatSurface {
     uint32_t iterations = 0; // of the linear solver
 };
 
-// state: a harmonic foliation on the intrinsic side of its level.  The values
+// state: a harmonic foliation on the intrinsic side of its level, up to a residual.  The values
 // of the state stay as they are.
-[[nodiscard]] hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
+[[nodiscard]] hmf_status flat_surface(State& state, double residual, FlatSurface& flat, Call& call);
 
 // Carries the forms of level 0 from the intrinsic triangulation of the state to the caller's.  The state stays behind.
 Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call);

@@ -1,6 +1,8 @@
 // One twisted Poisson solve: min over w of  sum of weight * (form + dw)^2.
 #include "harmonic_form.hpp"
 
+#include "../linear/sparse_factor.hpp"
+
 #include <cmath>
 
 namespace hmf {
@@ -48,7 +50,9 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
     return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
 }
 
-TwistedLaplacian::Balance TwistedLaplacian::read_divergence(const TwistedForm& form, size_t begin, size_t end) {
+TwistedLaplacian::Balance TwistedLaplacian::read_divergence(const TwistedForm& form, const Known& known, size_t begin,
+                                                            size_t end) {
+    constexpr double rounding = 1e-6; // of the root of the energy of one edge
     Balance balance;
     for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
         right_[v] = w_[v] = 0;
@@ -67,6 +71,9 @@ TwistedLaplacian::Balance TwistedLaplacian::read_divergence(const TwistedForm& f
         right_[v] = divergence;
         balance.divergence += divergence * divergence / diagonal_[v];
         balance.pull += pull * pull / diagonal_[v];
+        if (known.coclosed && known.coclosed[v])
+            balance.unexpected +=
+                std::fabs(divergence) > known.share * (pull + rounding * std::sqrt(known.energy * diagonal_[v]));
     }
     return balance;
 }
@@ -81,18 +88,37 @@ int64_t TwistedLaplacian::rounded(uint32_t v) const {
     return static_cast<int64_t>(w < 0 ? w - 0.5 : w + 0.5);
 }
 
-hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, Call& call) {
+// By conjugate gradients, or where they stop too early by a factor.
+hmf_status TwistedLaplacian::find_w(double relative, Call& call) {
+    constexpr uint32_t iteration_limit = 300;
+    const LinearResult result = multigrid_.solve(matrix(), right_.data(), w_.data(), relative, iteration_limit, call);
+    iterations_ += result.iterations;
+    if (call.cancelled()) return call.was_cancelled();
+    if (result.converged) return HMF_OK;
+    SparseFactor factor;
+    if (!factor.build(matrix(), call)) return call.stopped();
+    if (factor.empty())
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                         "The equations of (u, v) were solved to %.1g instead of %.1g. Improve the worst triangles "
+                         "of the mesh.",
+                         result.residual, relative);
+    return factor.solve(right_.data(), w_.data(), call.memory) ? HMF_OK : call.out_of_memory();
+}
+
+hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, Call& call, const Known& known) {
     const Mesh& mesh = *mesh_;
     const uint32_t n = mesh.vertex_count;
-    if (!call.tick(0)) return HMF_CANCELLED;
+    if (!call.tick(0)) return call.was_cancelled();
     const Balance balance = call.parallel.sum_blocks<Balance>(
-        n, [&](size_t begin, size_t end) { return read_divergence(form, begin, end); });
+        n, [&](size_t begin, size_t end) { return read_divergence(form, known, begin, end); });
+    if (balance.unexpected > 0)
+        return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                         "u is not harmonic at %llu vertices where the foliation is. Please report it.",
+                         static_cast<unsigned long long>(balance.unexpected));
     if (!(balance.divergence > 0)) return HMF_OK;
     const double relative = tolerance * std::sqrt(balance.pull / balance.divergence);
     if (relative >= 1) return HMF_OK;
-    constexpr uint32_t iteration_limit = 300;
-    iterations_ += multigrid_.solve(matrix(), right_.data(), w_.data(), relative, iteration_limit, call).iterations;
-    if (call.cancelled()) return HMF_CANCELLED;
+    if (const hmf_status status = find_w(relative, call)) return status;
     const auto add = [&](size_t begin, size_t end) {
         for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
             const uint32_t h = 2 * e, t = h + 1;
@@ -104,7 +130,7 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, 
             form.add(*bundle_, t, -charts_->chart[t] * rounded(mesh.origin[t]));
         }
     };
-    return call.pass(mesh.edge_count, 0, add) ? HMF_OK : HMF_CANCELLED;
+    return call.pass(mesh.edge_count, 0, add) ? HMF_OK : call.was_cancelled();
 }
 
 } // namespace hmf

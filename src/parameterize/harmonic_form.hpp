@@ -13,21 +13,30 @@ class TwistedLaplacian {
 public:
     [[nodiscard]] hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts,
                                    const double* weight, Call& call);
+    // What is known of a form: where it is coclosed, up to a share of its fluxes, or of what rounding leaves of them.
+    struct Known {
+        const uint8_t* coclosed = nullptr; // per vertex
+        double share = 0, energy = 0;
+    };
     // form += d(w) with the w that makes it coclosed: its divergence falls to
     // `tolerance` of what there would be if no two fluxes at a vertex cancelled.
-    [[nodiscard]] hmf_status make_harmonic(TwistedForm& form, double tolerance, Call& call);
+    // HMF_ERROR_INTERNAL if the form is not what is known of it, HMF_ERROR_UNSUPPORTED if no solver comes so far.
+    [[nodiscard]] hmf_status make_harmonic(TwistedForm& form, double tolerance, Call& call, const Known& known);
     uint32_t iterations() const { return iterations_; }
 
 private:
     // Squared norms: of the divergence of a form, and of its fluxes without their signs.
     struct Balance {
         double divergence = 0, pull = 0;
+        uint64_t unexpected = 0; // vertices
         void operator+=(const Balance& part) {
             divergence += part.divergence;
             pull += part.pull;
+            unexpected += part.unexpected;
         }
     };
-    Balance read_divergence(const TwistedForm& form, size_t begin, size_t end);
+    Balance read_divergence(const TwistedForm& form, const Known& known, size_t begin, size_t end);
+    [[nodiscard]] hmf_status find_w(double relative, Call& call);
     void fill_row(uint32_t v);
     int64_t rounded(uint32_t v) const;
     SignedMatrix matrix() const;

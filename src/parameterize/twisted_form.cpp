@@ -61,8 +61,11 @@ constexpr int32_t PRUNED = INT32_MIN;       // order of a vertex of a limb: 0
 
 class FormOfFoliation {
 public:
-    FormOfFoliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call) :
-        f_(f), mesh_(f.mesh), weight_(weight), bundle_(bundle), du_(du), call_(call), memory_(call.memory) {}
+    FormOfFoliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle, TwistedForm& du,
+                    Array<uint8_t>& untouched, Call& call) :
+        f_(f),
+        mesh_(f.mesh), weight_(weight), energy_(energy), bundle_(bundle), du_(du), untouched_(untouched), call_(call),
+        memory_(call.memory) {}
 
     hmf_status run() {
         const uint32_t m = mesh_.edge_count, n = mesh_.vertex_count;
@@ -71,7 +74,8 @@ public:
         without_corner_.start(memory_);
         zero_triangle_.start(memory_);
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !taken_.allocate_filled(memory_, n, uint8_t{0})
-            || !order_.allocate(memory_, n) || !bundle_.turn.allocate(memory_, m) || !du_.value.allocate(memory_, m))
+            || !order_.allocate(memory_, n) || !untouched_.allocate(memory_, n) || !bundle_.turn.allocate(memory_, m)
+            || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!sign_faces() || !give_zero_triangles_to_the_outside() || !assign_corners()) return call_.stopped();
@@ -171,21 +175,13 @@ private:
     Done assign_corners() {
         if (tripod_.empty()) return true;
         constexpr double share = 0.01, ratio = 4;
-        const double energy = call_.parallel.sum_blocks<double>(mesh_.edge_count, [&](size_t begin, size_t end) {
-            double sum = 0;
-            for (size_t e = begin; e < end; ++e) {
-                const double value = static_cast<double>(f_.value[e]);
-                sum += weight_[e] * value * value;
-            }
-            return sum;
-        });
         for (uint32_t t = 0; t < tripod_.size(); ++t) {
             uint32_t h = tripod_[t], best = NONE;
             double least = 0, cheapest = HUGE_VAL;
             for (uint32_t k = 0; k < 3; ++k, h = mesh_.next[h]) cheapest = std::min(cheapest, cost(h));
             for (uint32_t k = 0; k < 3; ++k, h = mesh_.next[h]) {
                 const uint32_t v = mesh_.origin[h];
-                if (taken_[v] || !is_regular(v) || cost(h) > std::max(share * energy, ratio * cheapest)) continue;
+                if (taken_[v] || !is_regular(v) || cost(h) > std::max(share * energy_, ratio * cheapest)) continue;
                 const double distance = distance_to_zero(h);
                 if (best != NONE && distance >= least) continue;
                 best = h;
@@ -228,7 +224,7 @@ private:
         const size_t zeros = without_corner_.size() + even.size();
         size_t left = zeros;
         if (zeros <= places
-            && !ZeroDrags(mesh_, weight_, bundle_, du_, taken_).drag(without_corner_, even, call_, left))
+            && !ZeroDrags(mesh_, weight_, bundle_, du_, taken_, &untouched_).drag(without_corner_, even, call_, left))
             return call_.stopped();
         if (left == 0) return HMF_OK;
         return call_.fail(
@@ -292,10 +288,14 @@ private:
                     int32_t middle = 0;
                     for (const uint32_t h : mesh_.around(v)) middle += is_middle(h);
                     order_[v] = middle - 2;
+                    untouched_[v] = middle == 2 && !mesh_.is_marked(v);
                 }
             }))
             return false;
         for (const uint32_t h : without_corner_) --order_[mesh_.target(h)];
+        for (const uint32_t h : corner_)
+            for (uint32_t out = h; out != NONE; out = mesh_.rotate_ccw(out) == h ? NONE : mesh_.rotate_ccw(out))
+                untouched_[mesh_.target(out)] = 0;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
             prune(v);
@@ -323,11 +323,13 @@ private:
         }
     }
 
-    Foliation& f_;
+    const Foliation& f_;
     const Mesh& mesh_;
     const double* weight_;
+    const double energy_;
     SignBundle& bundle_;
     TwistedForm& du_;
+    Array<uint8_t>& untouched_;
     Call& call_;
     Memory& memory_;
     Array<int8_t> sign_;             // per half-edge: of du in the chart of its face
@@ -341,8 +343,26 @@ private:
 
 } // namespace
 
-hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call) {
-    return FormOfFoliation(f, weight, bundle, du, call).run();
+hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle,
+                             TwistedForm& du, Array<uint8_t>& untouched, Call& call) {
+    return FormOfFoliation(f, weight, energy, bundle, du, untouched, call).run();
+}
+
+ImageSum sum_image(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
+                   const Parallel& parallel) {
+    return parallel.sum_blocks<ImageSum>(size_t{2} * mesh.edge_count, [&](size_t begin, size_t end) {
+        ImageSum sum;
+        for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
+                      [&](uint32_t h, uint32_t n, uint32_t p) {
+                          const int64_t u[2] = {du.at(bundle, h), du.at(bundle, n)};
+                          const int64_t v[2] = {dv.at(bundle, h), dv.at(bundle, n)};
+                          sum.open += u[0] + u[1] + du.at(bundle, p) != 0 || v[0] + v[1] + dv.at(bundle, p) != 0;
+                          sum.area += 0.5
+                                    * (static_cast<double>(u[0]) * static_cast<double>(v[1])
+                                       - static_cast<double>(u[1]) * static_cast<double>(v[0]));
+                      });
+        return sum;
+    });
 }
 
 //          k                     k          Half-edges jk and il change their

@@ -48,8 +48,22 @@ struct VertexCharts {
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:
 // the zero in each moves to one of its corners, or to a vertex near by.
 // HMF_ERROR_UNSUPPORTED if the mesh is so coarse that there are not enough.
-[[nodiscard]] hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du,
-                                           Call& call);
+// energy: of the foliation, in units.  untouched: per vertex, no zero is there, came, or passed by; so the fluxes of du
+// are those of the foliation.
+[[nodiscard]] hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle,
+                                           TwistedForm& du, Array<uint8_t>& untouched, Call& call);
+
+// Sums over the triangles: whether both forms are closed, and the area of the image.
+struct ImageSum {
+    double area = 0;
+    uint64_t open = 0;
+    void operator+=(const ImageSum& part) {
+        area += part.area;
+        open += part.open;
+    }
+};
+ImageSum sum_image(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
+                   const Parallel& parallel);
 
 // Reverses a flip of an edge of a mesh, of which `next` is enough, its bundle and two forms on it.
 void unflip_forms(uint32_t* next, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv);

@@ -231,7 +231,10 @@ bool ZeroDrags::follow_way() {
         if (is_too_high(s)) return false;
     int64_t right = (side[1] - side[2] - side[0]) / 2, left = (side[2] - side[0] - side[1]) / 2;
     if (way_.size() == 1) lower(twin(first), -bundle_.turn[edge_of(first)] * left);
+    for (const uint32_t h : mesh_.around(vertex_)) touch(mesh_.target(h));
     for (size_t i = 1; i < way_.size(); ++i) {
+        touch(mesh_.origin[way_[i]]);
+        touch(mesh_.target(way_[i]));
         const uint32_t h = way_[i], e = edge_of(h), to_apex = mesh_.next[twin(h)], from_apex = mesh_.next[to_apex];
         const int8_t turn = bundle_.turn[e];
         du_.value[e] = h % 2 == 0 ? left - right : -turn * (left - right);
@@ -260,6 +263,10 @@ void ZeroDrags::move_odd_turn(uint32_t& from, uint32_t to) {
     change_chart(is_next ? mesh_.prev(from) : mesh_.next[from]);
     change_chart(is_next ? from : to);
     from = to;
+}
+
+void ZeroDrags::touch(uint32_t v) {
+    if (untouched_) (*untouched_)[v] = 0;
 }
 
 int ZeroDrags::turn_round(uint32_t v) const {

@@ -27,9 +27,12 @@ namespace hmf {
 
 class ZeroDrags {
 public:
-    // taken: per vertex, no zero may come; the others have even turns.
-    ZeroDrags(const Mesh& mesh, const double* weight, SignBundle& bundle, TwistedForm& du, Array<uint8_t>& taken) :
-        mesh_(mesh), weight_(weight), bundle_(bundle), du_(du), taken_(taken) {}
+    // taken: per vertex, no zero may come; the others have even turns.  untouched: becomes 0 where the star of a vertex
+    // changes; may be NULL.
+    ZeroDrags(const Mesh& mesh, const double* weight, SignBundle& bundle, TwistedForm& du, Array<uint8_t>& taken,
+              Array<uint8_t>* untouched = nullptr) :
+        mesh_(mesh),
+        weight_(weight), bundle_(bundle), du_(du), taken_(taken), untouched_(untouched) {}
 
     // tripods: a half-edge h of each triangle where du is not closed.  The sides are a sum and its two
     // parts up to sign, which is 1 on h and the next one, -1 on the third: the turn round the target of h is
@@ -57,6 +60,7 @@ private:
     double distance(double height, uint32_t h) const;
     Done reach(uint32_t crossed, const Reached& before, double right, double left, int8_t sheet);
     bool follow_way();
+    void touch(uint32_t v);
     void move_odd_turn(uint32_t& from, uint32_t to);
     int turn_round(uint32_t v) const;
     void change_chart(uint32_t h);
@@ -68,6 +72,7 @@ private:
     SignBundle& bundle_;
     TwistedForm& du_;
     Array<uint8_t>& taken_;
+    Array<uint8_t>* untouched_;
     Array<uint32_t> settled_; // per face: the way to it is known; NONE: it is not
     Array<Reached> reached_;
     NearestFirst nearest_;    // of reached_

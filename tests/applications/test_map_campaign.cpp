@@ -1,0 +1,194 @@
+// (u, v) of random coarse surfaces: tubes whose radius varies by up to e^6, closed, open and as spheres, with marked
+// vertices, with small handles, and with loops twisted around them. Each map is judged by its arrays alone.
+//
+//     HMF_MAPS        number of surfaces of each family, default 40, a sample (10 under sanitizers)
+//     HMF_MAPS_SEED   of the first one, default 0
+//
+// A line is printed for each map that is refused, and a table at the end.
+#include "support/map_judge.hpp"
+#include "support/sample.hpp"
+#include "support/tubes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace test_map_campaign {
+
+using namespace test;
+
+namespace {
+
+uint64_t number(const char* name, uint64_t otherwise) {
+    const char* text = std::getenv(name);
+    return text ? std::strtoull(text, nullptr, 10) : otherwise;
+}
+
+struct Problem {
+    TriMesh mesh;
+    std::vector<uint32_t> marks;
+    Loops loops; // empty: those of the library
+    int32_t kind = HMF_LOOPS_CUT;
+    bool has_boundary = false;
+};
+
+std::vector<uint32_t> random_marks(const TriMesh& mesh, size_t count, Random& random) {
+    std::vector<uint32_t> marks;
+    while (marks.size() < count) {
+        const auto v = static_cast<uint32_t>(random.below(mesh.vertex_count()));
+        if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
+    }
+    return marks;
+}
+
+Problem closed(Random& random) {
+    Problem p;
+    p.mesh = closed_tube(random_tube(random));
+    return p;
+}
+
+Problem open(Random& random) {
+    Problem p;
+    p.mesh = open_tube(random_tube(random));
+    p.has_boundary = true;
+    return p;
+}
+
+Problem sphere(Random& random) {
+    Problem p;
+    p.mesh = capped_tube(random_tube(random));
+    p.marks = suggested_marks(p.mesh);
+    p.kind = HMF_LOOPS_PANTS;
+    return p;
+}
+
+Problem marked(Random& random) {
+    Problem p = closed(random);
+    p.marks = random_marks(p.mesh, 1 + random.below(4), random);
+    p.kind = HMF_LOOPS_PANTS;
+    return p;
+}
+
+// Once along the tube and `turns` times around it: the loop along it after Dehn twists around a section.
+Problem twisted(Random& random) {
+    Problem p;
+    const TubeOptions o = random_tube(random);
+    p.mesh = closed_tube(o);
+    const size_t turns = random.below(3);
+    std::vector<uint32_t> path;
+    for (size_t i = 0, j = 0; i < o.rings; ++i) {
+        const size_t until = turns * o.corners * (i + 1) / o.rings;
+        for (;; ++j) {
+            path.push_back(static_cast<uint32_t>(i * o.corners + j % o.corners));
+            if (j == until) break;
+        }
+    }
+    p.loops.kind = HMF_LOOP_VERTICES;
+    p.loops.add(path);
+    return p;
+}
+
+Problem with_handles(Random& random, size_t genus, int32_t kind) {
+    Problem p = closed(random);
+    while (p.mesh.genus < genus) {
+        const size_t rings = 1 + random.below(6);
+        if (!add_handle(p.mesh, rings, std::exp(-4 * random.unit()), random)) return {};
+    }
+    p.kind = kind;
+    return p;
+}
+
+Problem genus_two(Random& random) { return with_handles(random, 2, HMF_LOOPS_CUT); }
+Problem genus_two_pants(Random& random) { return with_handles(random, 2, HMF_LOOPS_PANTS); }
+Problem genus_three_pants(Random& random) { return with_handles(random, 3, HMF_LOOPS_PANTS); }
+
+struct Tally {
+    size_t maps = 0, refused = 0, unlucky = 0;
+    double least = HUGE_VAL, most = 0, folded = 0, off_lattice = 0;
+
+    void print(const char* family) const {
+        std::printf("%-18s %5zu maps, %3zu refused, %3zu left out; area / energy %.6f to %.6f, without signs up to "
+                    "%.3f; off the lattice %.1e\n",
+                    family, maps, refused, unlucky, least, most, folded, off_lattice);
+    }
+};
+
+// exact: there are no zeros.
+void run(Problem p, bool exact, Tally& tally) {
+    const hmf_build_options options = with_marks(p.marks);
+    hmf_hierarchy* raw = nullptr;
+    if (p.mesh.vertex_count() == 0
+        || hmf_build(p.mesh.positions.data(), p.mesh.vertex_count(), p.mesh.triangles.data(), p.mesh.triangle_count(),
+                     &options, nullptr, &raw, nullptr)
+               != HMF_OK) {
+        ++tally.unlucky; // too few vertices
+        return;
+    }
+    hmf_destroy(raw);
+    const Hierarchy hierarchy(p.mesh, options);
+    const auto set = p.loops.count() ? nullptr : loops_of(hierarchy, p.kind);
+    if (set) {
+        p.loops.kind = set->element_kind;
+        p.loops.level = set->level;
+        p.loops.offsets.assign(set->offsets, set->offsets + set->count + 1);
+        p.loops.elements.assign(set->elements, set->elements + set->offsets[set->count]);
+    }
+    const hmf_loop_set loops = p.loops.view();
+    const Solution s = solve(hierarchy, set ? *set : loops);
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    hmf_parameterization* made = nullptr;
+    hmf_error error{};
+    const hmf_status status = hmf_parameterize(s.foliation.get(), nullptr, nullptr, &made, &error);
+    const Owned<hmf_parameterization> map(made);
+    if (status == HMF_ERROR_UNSUPPORTED && !exact) {
+        ++tally.refused;
+        std::printf("%s\n", error.message);
+        return;
+    }
+    ASSERT_EQ(status, HMF_OK) << error.message;
+    ++tally.maps;
+    const LevelMesh mesh = read_level(hierarchy, 0);
+    const bool crosses = p.loops.kind == HMF_LOOP_TRIANGLES && !p.has_boundary;
+    const MapJudgment judged = judge_map(mesh, s.foliation, crosses ? p.loops : Loops(), *map);
+    EXPECT_EQ(judged.defect, "");
+    EXPECT_NEAR(judged.area, map->area, 1e-9 * map->area);
+    const double ratio = judged.area / s.report.energy;
+    if (exact) EXPECT_NEAR(ratio, 1, 1e-4);
+    EXPECT_GT(ratio, 0.9);
+    EXPECT_LT(ratio, 1.5);
+    tally.least = std::min(tally.least, ratio);
+    tally.most = std::max(tally.most, ratio);
+    tally.folded = std::max(tally.folded, judged.absolute_area / s.report.energy);
+    if (p.has_boundary) return;
+    EXPECT_EQ(judged.turns, 4 - 4 * static_cast<long>(p.mesh.genus));
+    EXPECT_LT(judged.off_lattice, 1e-5);
+    tally.off_lattice = std::max(tally.off_lattice, judged.off_lattice);
+}
+
+void run_family(const char* name, Problem (*make)(Random&), bool exact) {
+    const uint64_t first = number("HMF_MAPS_SEED", 0), count = number("HMF_MAPS", sample<uint64_t>(40, 10));
+    Tally tally;
+    for (uint64_t seed = first; seed < first + count; ++seed) {
+        SCOPED_TRACE(testing::Message() << name << ", seed " << seed);
+        Random random(seed);
+        run(make(random), exact, tally);
+    }
+    tally.print(name);
+    EXPECT_GT(tally.maps, 0u);
+}
+
+} // namespace
+
+TEST(MapCampaign, ClosedTubes) { run_family("closed", closed, true); }
+TEST(MapCampaign, OpenTubes) { run_family("open", open, true); }
+TEST(MapCampaign, Spheres) { run_family("spheres", sphere, false); }
+TEST(MapCampaign, TwistedLoops) { run_family("twisted loops", twisted, true); }
+TEST(MapCampaign, MarkedTori) { run_family("marked tori", marked, false); }
+TEST(MapCampaign, GenusTwo) { run_family("genus 2", genus_two, false); }
+TEST(MapCampaign, GenusTwoPants) { run_family("genus 2, pants", genus_two_pants, false); }
+TEST(MapCampaign, GenusThreePants) { run_family("genus 3, pants", genus_three_pants, false); }
+
+} // namespace test_map_campaign
