@@ -21,9 +21,9 @@ nightly="$full tsan nightly"
 # name | preset | targets, or - for none | entries of ctest | what
 variants() {
     cat <<'END_OF_TABLE'
-sanitizers   | asan-ubsan | all | -L ^default$ | every case once, with assertions, address and undefined behavior sanitizers; fuzz corpora
-optimized    | release | hmf hmf_core hmf_pool hmf_cli hmf_tests_default | -L ^default$ | numeric cases, a sample of real meshes, the tool, examples of the documentation, short checks
-asan-ubsan   | asan-ubsan | all | -L default|full | as sanitizers, with longer runs of the fuzz targets
+sanitizers   | asan-ubsan | hmf hmf_tests hmf_replays | -L ^default$ | the cases of the library once, with assertions, address and undefined behavior sanitizers; fuzz corpora
+optimized    | release | hmf hmf_core hmf_pool hmf_cli hmf_tests_default | -L ^default$ | long and numeric cases, a sample of real meshes, the tool, examples of the documentation, short checks
+asan-ubsan   | asan-ubsan | all | -L default|full | as sanitizers, with the long cases, the tool, and longer runs of the fuzz targets
 release      | release | all | -L default|full | every case, real meshes up to 250 000 vertices, checks, packages, bindings
 tsan         | tsan | test_solve | -L full | threads under the thread sanitizer
 debug        | debug | hmf_tests hmf_cli | -L default|full -E ^check | every case, with assertions and without sanitizers
