@@ -159,7 +159,7 @@ TEST(Pictures, CheckerboardsHaveNoSeams) {
 
 double length_of(const cli::Line& line) {
     double sum = 0;
-    for (size_t i = 0; i < line.size(); ++i) sum += cli::distance(line[i], line[(i + 1) % line.size()]);
+    for (size_t i = 0; i < line.size(); ++i) sum += cli::distance_of(line[i], line[(i + 1) % line.size()]);
     return sum;
 }
 
@@ -168,19 +168,20 @@ void expect_shortest(const cli::Foliation& f, const cli::Line& line) {
     const size_t count = line.size();
     size_t inside = 0;
     for (size_t i = 0; i < count; ++i) {
-        const cli::Point x = line[i], before = line[(i + count - 1) % count], after = line[(i + 1) % count];
+        const cli::PlanePoint x = line[i], before = line[(i + count - 1) % count], after = line[(i + 1) % count];
         bool on_edge = false;
         for (size_t e = 0; e < f.values.size() && !on_edge; ++e) {
-            const cli::Point p = cli::place(f, f.edge_vertices[2 * e]), q = cli::place(f, f.edge_vertices[2 * e + 1]);
-            if (cli::distance(p, x) + cli::distance(x, q) > cli::distance(p, q) + 1e-9) continue;
+            const cli::PlanePoint p = cli::place(f, f.edge_vertices[2 * e]),
+                                  q = cli::place(f, f.edge_vertices[2 * e + 1]);
+            if (cli::distance_of(p, x) + cli::distance_of(x, q) > cli::distance_of(p, q) + 1e-9) continue;
             on_edge = true;
-            const double t = cli::distance(p, x) / cli::distance(p, q);
-            const double now = cli::distance(before, x) + cli::distance(x, after);
+            const double t = cli::distance_of(p, x) / cli::distance_of(p, q);
+            const double now = cli::distance_of(before, x) + cli::distance_of(x, after);
             for (const double step : {-0.05, 0.05}) {
                 if (t + step < 0 || t + step > 1) continue;
                 ++inside;
-                const cli::Point moved = cli::between(p, q, t + step);
-                EXPECT_GT(cli::distance(before, moved) + cli::distance(moved, after), now - 1e-4) << i;
+                const cli::PlanePoint moved = cli::between(p, q, t + step);
+                EXPECT_GT(cli::distance_of(before, moved) + cli::distance_of(moved, after), now - 1e-4) << i;
             }
         }
         EXPECT_TRUE(on_edge) << i;
@@ -235,9 +236,9 @@ TEST(Pictures, LoopsOfTheCallerHaveNoKinks) {
     const double polygon = 20 * 2 * 0.5 * std::sin(3.14159265358979 / 20);
     EXPECT_GT(length_of(drawn), 2 * polygon);
     EXPECT_LT(length_of(lines[0]), 1.02 * polygon);
-    for (const cli::Point& p : lines[0]) {
+    for (const cli::PlanePoint& p : lines[0]) {
         double nearest = 1e9;
-        for (const cli::Point& q : drawn) nearest = std::min(nearest, cli::distance(p, q));
+        for (const cli::PlanePoint& q : drawn) nearest = std::min(nearest, cli::distance_of(p, q));
         EXPECT_LT(nearest, 0.3);
     }
 }
