@@ -84,6 +84,7 @@ statuses! {
     ERROR_MESH_GENUS = HMF_ERROR_MESH_GENUS;
     /// The surface meets itself, so that inside and outside have no meaning.
     ERROR_MESH_NOT_EMBEDDED = HMF_ERROR_MESH_NOT_EMBEDDED;
+    /// No flips make the mesh intrinsically Delaunay.
     ERROR_MESH_NOT_DELAUNAY = HMF_ERROR_MESH_NOT_DELAUNAY;
     /// No loops.
     ERROR_LOOP_COUNT = HMF_ERROR_LOOP_COUNT;
@@ -224,6 +225,40 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
+/// What sentences of the C library call otherwise than this crate.
+const WORDS: [(&str, &str); 15] = [
+    (
+        "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio",
+        "The builder cannot be used: its ratio",
+    ),
+    (", position_stride fits into memory, allocate and release come together", ""),
+    ("set mollify in the build options", "set Builder::mollify to 1e-5"),
+    ("HMF_METHOD_WHITEHEAD has none", "Method::Whitehead has none"),
+    ("Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "Use LoopsKind::Cut or LoopsKind::Pants"),
+    ("use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "use LoopsKind::Cut or LoopsKind::Pants"),
+    ("report->class_state", "report.class_state"),
+    ("Build each component of hmf_components on its own", "Build each of Builder::components on its own"),
+    ("Use hmf_loops, or another mesh", "Use other loops, or another mesh"),
+    ("; hmf_singularities lists them", "; Foliation::singularities lists them"),
+    ("Start from hmf_initialize or a result of hmf_solve", "Start from Hierarchy::initialize or a result of a solve"),
+    ("; hmf_memory_estimate gives a sufficient value", "; Builder::memory_estimate gives a sufficient value"),
+    ("with hmf_interpolate", "with Foliation::interpolate"),
+    ("with hmf_relax", "with Solver::relax"),
+    ("Give one of them, the other NULL", "Give one of them"),
+];
+const FOREIGN: [&str; 6] = ["hmf_", "HMF_", "NULL", "struct_size", "->", "position_stride"];
+
+/// A sentence of the C library in the words of this crate; sentences with others are left out.
+pub(crate) fn in_words(message: &str) -> String {
+    let mut text = message.replace("optimisation", "optimization");
+    for (library, own) in WORDS {
+        text = text.replace(library, own);
+    }
+    let known = |part: &&str| !FOREIGN.iter().any(|word| part.contains(word));
+    let parts: Vec<&str> = text.split_inclusive(". ").map(str::trim).filter(known).collect();
+    parts.join(" ")
+}
+
 /// The error of a status; `None` for success.
 pub(crate) fn error_of(status: sys::hmf_status, raw: &sys::hmf_error) -> Option<Error> {
     let status = Status(status);
@@ -231,11 +266,53 @@ pub(crate) fn error_of(status: sys::hmf_status, raw: &sys::hmf_error) -> Option<
         return None;
     }
     // SAFETY: the array is inside `raw`, and the library ends it with 0.
-    let message = unsafe { CStr::from_ptr(raw.message.as_ptr()) }.to_string_lossy().into_owned();
+    let message = in_words(&unsafe { CStr::from_ptr(raw.message.as_ptr()) }.to_string_lossy());
     Some(Error {
         status,
         element: (raw.element != sys::HMF_ELEMENT_NONE).then(|| raw.element.read()),
         index: raw.index,
         message: if message.is_empty() { status.to_string() } else { message },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+    use std::path::Path;
+
+    /// The texts in quotes behind a status of the library: what its calls can fail with.
+    fn messages(folder: &Path, found: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                messages(&path, found);
+                continue;
+            }
+            let Ok(source) = std::fs::read_to_string(&path) else { continue };
+            for call in source.split("fail(").skip(1) {
+                let call = &call[..call.find(';').unwrap_or(call.len())];
+                if call.trim_start().starts_with("HMF_") {
+                    found.push(call.split('"').skip(1).step_by(2).collect());
+                }
+            }
+        }
+    }
+
+    /// No word of the C interface is left in a message of this crate.
+    #[test]
+    fn every_error_is_in_words_of_rust() {
+        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../src");
+        if !sources.exists() {
+            return;
+        }
+        let mut found = Vec::new();
+        messages(&sources, &mut found);
+        assert!(found.len() > 60, "{} messages", found.len());
+        for message in &found {
+            let said = in_words(message);
+            for word in ["hmf_", "HMF_", "NULL", "struct_size", "->", "build options"] {
+                assert!(!said.contains(word), "{message}: {said}");
+            }
+        }
+    }
 }

@@ -31,14 +31,14 @@ codes! {
 #[must_use = "a builder does nothing until `build` is called"]
 pub struct Builder<'a> {
     options: sys::hmf_build_options,
-    marked_vertices: &'a [u32],
+    marked_vertices: Option<&'a [u32]>,
     progress: Option<Closure<'a>>,
 }
 
 impl Default for Builder<'_> {
     fn default() -> Self {
         let options = options!(hmf_build_options allocate: Some(memory::allocate), release: Some(memory::release));
-        Builder { options, marked_vertices: &[], progress: None }
+        Builder { options, marked_vertices: None, progress: None }
     }
 }
 
@@ -81,12 +81,13 @@ impl<'a> Builder<'a> {
         self
     }
 
-    /// Vertices that may carry a pole; a sphere needs four or more. Default: none.
+    /// Vertices that may carry a pole; a sphere needs four or more. Default: those of
+    /// [`suggest_marks`](Builder::suggest_marks) where the mesh needs some; an empty slice: none.
     ///
     /// They never move and are no poles of the report; indices add up to
     /// 4 - 4 genus - marked vertices.
     pub fn marked_vertices(mut self, vertices: &'a [u32]) -> Self {
-        self.marked_vertices = vertices;
+        self.marked_vertices = Some(vertices);
         self
     }
 
@@ -112,7 +113,23 @@ impl<'a> Builder<'a> {
     /// [`Status::CANCELLED`], or a status of the classes 100, 200, 300: each
     /// defect of a mesh has its own, and the error names the element.
     pub fn build(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Hierarchy> {
-        let handle = self.call(positions, triangles, sys::hmf_build)?;
+        let made = self.call(positions, triangles, sys::hmf_build);
+        let needs_marks = |error: &Error| error.status() == Status::ERROR_MESH_GENUS;
+        let handle = match made {
+            Err(error) if needs_marks(&error) && self.marked_vertices.is_none() => {
+                let marks = self.suggest_marks(positions, triangles)?;
+                if marks.is_empty() {
+                    return Err(error);
+                }
+                let raw = sys::hmf_build_options {
+                    marked_vertices: marks.as_ptr(),
+                    marked_count: marks.len() as u64,
+                    ..self.options
+                };
+                self.call_with(&raw, positions, triangles, sys::hmf_build)?
+            }
+            other => other?,
+        };
         Ok(Hierarchy { handle: Arc::new(handle) })
     }
 
@@ -196,7 +213,7 @@ impl<'a> Builder<'a> {
 
     /// For calls during which `self` is borrowed.
     fn raw(&self) -> sys::hmf_build_options {
-        let marks = self.marked_vertices;
+        let marks = self.marked_vertices.unwrap_or(&[]);
         sys::hmf_build_options { marked_vertices: marks.as_ptr(), marked_count: marks.len() as u64, ..self.options }
     }
 
@@ -208,11 +225,21 @@ impl<'a> Builder<'a> {
         make_it: OfMesh<T>,
     ) -> Result<Owned<T>> {
         let options = self.raw();
+        self.call_with(&options, positions, triangles, make_it)
+    }
+
+    fn call_with<T: Made>(
+        &mut self,
+        options: &sys::hmf_build_options,
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        make_it: OfMesh<T>,
+    ) -> Result<Owned<T>> {
         Closure::watch(&mut self.progress, || {
             let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
             // SAFETY: the slices hold three numbers for each vertex and each triangle.
             make(|out, control, error| unsafe {
-                make_it(points, positions.len(), corners, triangles.len(), &options, control, out, error)
+                make_it(points, positions.len(), corners, triangles.len(), options, control, out, error)
             })
         })
     }

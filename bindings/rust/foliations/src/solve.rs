@@ -3,7 +3,7 @@
 use crate::error::{Error, Result, Status};
 use crate::foliation::Foliation;
 use crate::hierarchy::Hierarchy;
-use crate::loops::Loops;
+use crate::loops::{Loops, LoopsKind};
 use crate::owned::{attempt, slice, Owned};
 use crate::progress::{Closure, Progress};
 use crate::records::{codes, options, record, Read};
@@ -50,6 +50,7 @@ codes! {
 pub struct Solver<'a> {
     hierarchy: Hierarchy,
     loops: Option<&'a Loops>,
+    kind: Option<LoopsKind>,
     start: Option<&'a Foliation>,
     options: sys::hmf_solve_options,
     progress: Option<Closure<'a>>,
@@ -59,7 +60,7 @@ impl Hierarchy {
     /// Options for solving on this hierarchy, all at their defaults.
     pub fn solver<'a>(&self) -> Solver<'a> {
         let options = options!(hmf_solve_options method: Method::default() as i32);
-        Solver { hierarchy: self.clone(), loops: None, start: None, options, progress: None }
+        Solver { hierarchy: self.clone(), loops: None, kind: None, start: None, options, progress: None }
     }
 }
 
@@ -69,6 +70,12 @@ impl<'a> Solver<'a> {
     /// with [`Method::SingleLevel`]), weights 1.
     pub fn loops(mut self, loops: &'a Loops) -> Self {
         self.loops = Some(loops);
+        self
+    }
+
+    /// Instead of own loops those of the library, of a kind and with weights 1.
+    pub fn library_loops(mut self, kind: LoopsKind) -> Self {
+        self.kind = Some(kind);
         self
     }
 
@@ -106,7 +113,8 @@ impl<'a> Solver<'a> {
 
     /// After this time the best foliation so far is the result. Default: no limit.
     pub fn time_limit(mut self, limit: Duration) -> Self {
-        self.options.time_limit = limit.as_secs_f64();
+        // For the library 0 is no limit.
+        self.options.time_limit = limit.as_secs_f64().max(1e-9);
         self
     }
 
@@ -149,12 +157,22 @@ impl<'a> Solver<'a> {
     /// [`Status::CANCELLED`] if there is no foliation yet, or a status of the
     /// classes 100, 200, 400.
     pub fn solve(&mut self) -> Result<Solution> {
-        let set = self.loops.map(Loops::as_raw);
+        let made = match self.kind {
+            Some(kind) if self.loops.is_none() && self.start.is_none() => {
+                // They are found fastest on the coarsest level.
+                let single = self.options.method == Method::SingleLevel as i32;
+                let fine = single || self.hierarchy.boundary_count() > 0;
+                let level = if fine { 0 } else { self.hierarchy.level_count() - 1 };
+                Some(self.hierarchy.loops(level, kind)?)
+            }
+            _ => None,
+        };
+        let set = self.loops.or(made.as_ref()).map(Loops::as_raw);
         let set = set.as_ref().map_or(ptr::null(), ptr::from_ref);
         let options =
             sys::hmf_solve_options { start: self.start.map_or(ptr::null(), Foliation::as_ptr), ..self.options };
         let hierarchy = self.hierarchy.as_ptr();
-        let made = Closure::watch(&mut self.progress, || {
+        let solved = Closure::watch(&mut self.progress, || {
             // SAFETY: the handles are valid, and `self` borrows loops and start.
             attempt(|out, control, error| unsafe {
                 if set.is_null() && options.start.is_null() {
@@ -164,7 +182,7 @@ impl<'a> Solver<'a> {
                 }
             })
         });
-        self.solution(made)
+        self.solution(solved)
     }
 
     /// Optimises a foliation on its level; otherwise as [`solve`](Solver::solve).

@@ -5,6 +5,7 @@ use foliations::{
 };
 use foliations::{SingularityKind, Solution, Status};
 use std::collections::HashMap;
+use std::time::Duration;
 
 include!("support/mesh.rs");
 
@@ -425,7 +426,20 @@ fn solving_starts_from_values() {
 fn spheres_have_marked_vertices() {
     let (positions, triangles) = plate(0, 0, 10, 4);
     let mut builder = Hierarchy::builder().coarsest(100);
-    assert_eq!(builder.build(&positions, &triangles).unwrap_err().status(), Status::ERROR_MESH_GENUS);
+    let bare = Hierarchy::builder().marked_vertices(&[]).build(&positions, &triangles);
+    assert_eq!(bare.unwrap_err().status(), Status::ERROR_MESH_GENUS);
+    // Those of the library by default, and its loops by their kind.
+    let suggested = builder.build(&positions, &triangles).unwrap();
+    assert_eq!(suggested.genus(), 0);
+    for kind in [LoopsKind::Cut, LoopsKind::Pants] {
+        let by_kind = suggested.solver().library_loops(kind).solve().unwrap();
+        let loops = suggested.loops(0, kind).unwrap();
+        let by_loops = suggested.solver().loops(&loops).solve().unwrap();
+        assert!(by_kind.report.converged && close(by_kind.report.energy, by_loops.report.energy));
+    }
+    // A limit of no time is one.
+    let stopped = suggested.solver().time_limit(Duration::ZERO).solve().unwrap();
+    assert_eq!(stopped.status(), Status::LIMIT_TIME);
     let marks = builder.suggest_marks(&positions, &triangles).unwrap();
     assert!((4..=24).contains(&marks.len()));
     let hierarchy = builder.marked_vertices(&marks).build(&positions, &triangles).unwrap();
