@@ -463,7 +463,7 @@ typedef struct hmf_cylinder_set {
  * a boundary the half of its cylinder on the surface; leaves are arcs for strips.
  *
  * Heights are those of the leaves, in integers.  Circumference, modulus and area are those of the minimum;
- * at the minimum energy = sum of height * circumference = sum of areas.
+ * at the minimum energy = sum of height * circumference = sum of areas, which is checked.
  * Loop and cylinder are matched by their free homotopy classes, exactly; with
  * marked vertices that takes two runs like hmf_solve on the coarsest level.
  *

@@ -6,6 +6,8 @@
 #include "../api/result.hpp"
 #include "use_entry.hpp"
 
+#include <cmath>
+
 using namespace hmf;
 
 namespace {
@@ -33,6 +35,17 @@ hmf_status keep_front_of_set(const hmf_hierarchy& h, const hmf_loop_set& loops, 
         return call.status();
     for (size_t c = 0; c < cylinders.list.size(); ++c) heights[c] = cylinders.list[c].height;
     return HMF_OK;
+}
+
+// At the minimum the cylinders fill the surface: their areas, each found from one leaf, add up to the energy.
+hmf_status check_areas(const Array<hmf_cylinder>& list, const State& solved, double unit, Call& call) {
+    constexpr double largest = 1e-4; // tests: 1e-6
+    const double whole = energy(solved.foliation, solved.hierarchy->levels[solved.level].weight) * unit * unit;
+    double sum = 0;
+    for (const hmf_cylinder& cylinder : list) sum += cylinder.height * cylinder.circumference;
+    if (std::fabs(sum - whole) <= largest * whole) return HMF_OK;
+    return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                     "The areas of the cylinders add up to %.9g times the energy. Please report it.", sum / whole);
 }
 
 } // namespace
@@ -68,7 +81,8 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
     if (load_solved_in_unit_of_values(*foliation, solved, call)
         || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
         || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &of_loops : nullptr, solved,
-                             unit, list, call))
+                             unit, list, call)
+        || check_areas(list, solved, unit, call))
         return call.status();
 
     Array<uint8_t> arcs;

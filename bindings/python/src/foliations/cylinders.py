@@ -21,7 +21,7 @@ class Cylinder:
     """One cylinder; lengths are those of the flat metric du^2 + dv^2, in the unit of the values."""
 
     loop: int | None  #: which of the loops; None if there are none
-    height: float  #: the weight of the loop, exactly
+    height: float  #: the weight of the loop, rounded to a multiple of the unit
     circumference: float
     modulus: float  #: height / circumference
     area: float  #: areas add up to the energy

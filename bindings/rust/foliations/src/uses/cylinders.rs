@@ -42,7 +42,7 @@ impl Foliation {
     /// one for each loop, filled with closed leaves of its class.
     ///
     /// `loops` are those that the foliation belongs to, on any level; with `None`,
-    /// [`Cylinder::loop_index`] is `None`. Heights are exact. Circumference, modulus and
+    /// [`Cylinder::loop_index`] is `None`. Heights are those of the leaves. Circumference, modulus and
     /// area are those of the minimum, where energy = sum of height * circumference = sum
     /// of areas. Matching takes about as long as two solves on the coarsest level.
     ///
