@@ -38,7 +38,7 @@ hmf_status keep_front_of_set(const hmf_hierarchy& h, const hmf_loop_set& loops, 
 }
 
 // At the minimum the cylinders fill the surface: their areas, each found from one leaf, add up to the energy.
-hmf_status check_areas(const Array<hmf_cylinder>& list, const State& solved, double unit, Call& call) {
+hmf_status check_sum_of_areas(const Array<hmf_cylinder>& list, const State& solved, double unit, Call& call) {
     constexpr double largest = 1e-4; // tests: 1e-6
     const double whole = energy(solved.foliation, solved.hierarchy->levels[solved.level].weight) * unit * unit;
     double sum = 0;
@@ -82,7 +82,7 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
         || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
         || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &of_loops : nullptr, solved,
                              unit, list, call)
-        || check_areas(list, solved, unit, call))
+        || check_sum_of_areas(list, solved, unit, call))
         return call.status();
 
     Array<uint8_t> arcs;
