@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("*.md", ".github/**/*.md", "docs/*.md", "bench/*.md", "src/*.md", "tests/*.md", "bindings/**/*.md")
+FOLDERS = ("*.md", ".github/**/*.md", "docs/*.md", "bench/*.md", "src/*.md", "bindings/**/*.md")
 PAGES = [page for pattern in FOLDERS for page in sorted(ROOT.glob(pattern)) if "node_modules" not in page.parts]
 BRITISH = re.compile(
     r"\b(?:(?:optim|parameter|initial|discret|normal|symmetr|factor|general|minim|maxim|recogn|summar|organ|visual)is"

@@ -62,7 +62,6 @@ SITE = {
     "Project": [
         ("Contributing", "contributing.md", "CONTRIBUTING.md"),
         ("Security", "security.md", "SECURITY.md"),
-        ("Tests", "tests.md", "tests/README.md"),
         ("Releases", "releasing.md", "docs/releasing.md"),
         ("Packages", "packages.md", "bindings/packaging/README.md"),
         ("Changes", "changes.md", "CHANGELOG.md"),

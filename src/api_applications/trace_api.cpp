@@ -53,13 +53,28 @@ hmf_status read_trace_options(const hmf_trace_options* options, const hmf_hierar
     return HMF_OK;
 }
 
+// f(begin, end) for pieces of n points, with a report before each: lines can be far larger than the mesh.
+template <class F>
+Done in_pieces(size_t n, double fraction, Call& call, F f) {
+    constexpr size_t piece = 65536;
+    for (size_t first = 0; first < n; first += piece) {
+        const auto block = [&](size_t begin, size_t end) { f(first + begin, first + end); };
+        if (!call.pass(std::min(piece, n - first), fraction, block)) return false;
+    }
+    return true;
+}
+
 // Lines that are made, as the caller gets them.
 hmf_status hand_over_lines(const hmf_foliation& foliation, Lines& made, Call& call, hmf_lines** out) {
     const hmf_hierarchy& h = *foliation.hierarchy;
     if (foliation.level == 0) {
         Array<uint32_t> caller;
         if (inverse_numbers(h.edge_internal, h.input.edge_count, caller, call)) return call.status();
-        for (uint32_t& e : made.edges) e = e == NONE ? HMF_NONE : caller[e];
+        const auto renumber = [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i)
+                made.edges[i] = made.edges[i] == NONE ? HMF_NONE : caller[made.edges[i]];
+        };
+        if (!in_pieces(made.edges.size(), 0.96, call, renumber)) return call.stopped();
         if (h.is_double() && keep_front(h, made, call)) return call.status();
     }
     for (hmf_line& line : made.list) line.length /= h.scale;
@@ -78,7 +93,7 @@ hmf_status hand_over_lines(const hmf_foliation& foliation, Lines& made, Call& ca
         for (size_t i = 3 * begin; i < 3 * end; ++i) points[i] = made.points[i] / h.scale;
         std::copy(&made.edges[begin], &made.edges[begin] + (end - begin), edges + begin);
     };
-    if (!call.pass(made.edges.size(), 0.97, copy)) {
+    if (!in_pieces(made.edges.size(), 0.97, call, copy)) {
         free_block(result);
         return call.stopped();
     }

@@ -73,7 +73,7 @@ private:
     hmf_status add_charts(double column, double margin, Packer& packer) {
         packer.start(call_.memory, column * (widest_ / (2 * GRID)), margin);
         for (uint32_t c = 0; c < grid_.chart_count; ++c) {
-            if (c % 256 == 0 && !call_.tick(0.9)) return call_.was_cancelled();
+            if (!call_.work(64, 0.9, false)) return call_.was_cancelled();
             if (!packer.begin_shape(box_[c].u0, box_[c].v0, box_[c].u1, box_[c].v1)) return call_.out_of_memory();
             for (uint32_t i = first_[c]; i < first_[c + 1]; ++i) {
                 double xy[6];
@@ -82,7 +82,7 @@ private:
                     xy[k++] = static_cast<double>(grid_.x[h]);
                     xy[k++] = static_cast<double>(grid_.y[h]);
                 });
-                packer.add_part(xy, 3);
+                if (!call_.work(8 * packer.add_part(xy, 3), 0.9, false)) return call_.was_cancelled();
             }
         }
         return HMF_OK;

@@ -116,6 +116,7 @@ Done ChartPlan::cut_part(uint32_t i, bool in_u, double where) {
     (in_u ? first.box.u1 : first.box.v1) = where;
     (in_u ? rest.box.u0 : rest.box.v0) = where;
     double area[2] = {0, 0}, image[2] = {0, 0};
+    if (!call_.work(8 * uint64_t{of_chart_[first.chart + 1] - of_chart_[first.chart]}, 0.88, false)) return false;
     for (uint32_t k = of_chart_[first.chart]; k < of_chart_[first.chart + 1]; ++k) {
         const FaceInChart& f = faces_[k];
         const Box& b = parts[i].box;

@@ -61,6 +61,7 @@ public:
                 low_[a] = low[a];
                 cells_[a] = static_cast<uint64_t>((high[a] - low[a]) / cell_) + 1;
             }
+            if (!call_.work(32 * uint64_t{n}, 0.89, false)) return false;
             if (cells_[0] * cells_[1] <= 4 * uint64_t{n} + 64 && count(faces, n) <= 32 * uint64_t{n}) break;
         }
         return fill(faces, n) && look(visit);
@@ -93,6 +94,7 @@ private:
         for (int pass = 0; pass < 2; ++pass) {
             for (uint32_t i = 0; i < n; ++i) {
                 const Range r = cells_of(at(faces[i]));
+                if (!call_.work(32 + (r.to[0] - r.from[0] + 1) * (r.to[1] - r.from[1] + 1), 0.89, false)) return false;
                 for (uint64_t y = r.from[1]; y <= r.to[1]; ++y)
                     for (uint64_t x = r.from[0]; x <= r.to[0]; ++x) {
                         const size_t k = static_cast<size_t>(y * cells_[0] + x);
@@ -108,12 +110,12 @@ private:
     }
     template <class Visit>
     Done look(Visit visit) const {
-        uint64_t steps = 0;
         for (size_t k = 0; k + 1 < begin_.size(); ++k)
             for (uint64_t i = begin_[k]; i < begin_[k + 1]; ++i) {
                 const GridCorners a = at(content_[static_cast<size_t>(i)]);
+                if (!call_.work(32, 0.89, false)) return false;
                 for (uint64_t j = i + 1; j < begin_[k + 1]; ++j) {
-                    if (++steps % 65536 == 0 && !call_.tick(0.89)) return false;
+                    if (!call_.work(32, 0.89, false)) return false;
                     const GridCorners b = at(content_[static_cast<size_t>(j)]);
                     // Only in the cell with the lower left corner of what both boxes share.
                     const int64_t x = std::max(a.low(false), b.low(false)), y = std::max(a.low(true), b.low(true));

@@ -54,7 +54,7 @@ Done Packer::begin_shape(double x0, double y0, double x1, double y1) {
 }
 
 // A convex part, wider by half a margin, in each column that it meets.
-void Packer::add_to(const Profile& profile, double x0, double y0, const double* xy, int corners) {
+uint64_t Packer::add_to(const Profile& profile, double x0, double y0, const double* xy, int corners) {
     double low = xy[0], high = xy[0];
     for (int i = 1; i < corners; ++i) {
         low = std::min(low, xy[2 * i]);
@@ -66,7 +66,8 @@ void Packer::add_to(const Profile& profile, double x0, double y0, const double* 
         const double j = (x - x0) / column_;
         return j <= 0 ? 0u : std::min(last, static_cast<uint32_t>(j));
     };
-    for (uint32_t j = column_at(low - half); j <= column_at(high + half); ++j) {
+    const uint32_t first = column_at(low - half), end = column_at(high + half) + 1;
+    for (uint32_t j = first; j < end; ++j) {
         const double left = x0 + column_ * j - half, right = left + column_ + margin_;
         double least = HUGE_VAL, most = -HUGE_VAL;
         const auto meet = [&](double y) {
@@ -84,17 +85,18 @@ void Packer::add_to(const Profile& profile, double x0, double y0, const double* 
         bottom = std::max(0.0, std::min(bottom, std::floor(least - half - y0)));
         top = std::min(profile.height, std::max(top, std::ceil(most + half - y0)));
     }
+    return end - first;
 }
 
-void Packer::add_part(const double* xy, int corners) {
+uint64_t Packer::add_part(const double* xy, int corners) {
     const Item& item = items_.back();
-    add_to(item.side[0], item.x0, item.y0, xy, corners);
+    const uint64_t columns = add_to(item.side[0], item.x0, item.y0, xy, corners);
     double turned[8];
     for (int i = 0; i < corners; ++i) {
         turned[2 * i] = -xy[2 * i + 1];
         turned[2 * i + 1] = xy[2 * i];
     }
-    add_to(item.side[1], -item.y1, item.x0, turned, corners);
+    return columns + add_to(item.side[1], -item.y1, item.x0, turned, corners);
 }
 
 // Half a turn turns a profile upside down.

@@ -25,7 +25,7 @@ public:
 
     // A shape: its box, then what it consists of, convex parts of at most four corners inside the box.
     Done begin_shape(double x0, double y0, double x1, double y1);
-    void add_part(const double* xy, int corners);
+    uint64_t add_part(const double* xy, int corners); // returns how many columns it meets
 
     // coarser: one of the same shapes with wider columns, with whose arrangement the search begins; or NULL.
     // Searches until about so many steps are taken, columns of shapes that were looked at; side is the width of the
@@ -63,7 +63,7 @@ private:
     };
     bool lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, double& y);
     void occupy(const Profile& p, uint32_t x, double y);
-    void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
+    uint64_t add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
     double let_down(const Arrangement& state, uint32_t width, double most, Place* places, Call& call);
     void sort(Arrangement& state, int key, bool upright) const;

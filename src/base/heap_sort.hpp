@@ -5,8 +5,9 @@
 
 namespace hmf {
 
-template <class T, class Less>
-void heap_sort(T* items, size_t n, const Less& less) {
+// go_on() after each step of logarithmic length; false: the sort stops there, and returns false.
+template <class T, class Less, class GoOn>
+bool heap_sort(T* items, size_t n, const Less& less, const GoOn& go_on) {
     const auto sink = [&](size_t i, size_t end) {
         const T item = items[i];
         for (size_t child = 2 * i + 1; child < end; child = 2 * i + 1) {
@@ -17,13 +18,23 @@ void heap_sort(T* items, size_t n, const Less& less) {
         }
         items[i] = item;
     };
-    for (size_t i = n / 2; i-- > 0;) sink(i, n);
+    for (size_t i = n / 2; i-- > 0;) {
+        if (!go_on()) return false;
+        sink(i, n);
+    }
     for (size_t end = n; end-- > 1;) {
+        if (!go_on()) return false;
         const T largest = items[0];
         items[0] = items[end];
         items[end] = largest;
         sink(0, end);
     }
+    return true;
+}
+
+template <class T, class Less>
+void heap_sort(T* items, size_t n, const Less& less) {
+    heap_sort(items, n, less, [] { return true; });
 }
 
 } // namespace hmf

@@ -194,6 +194,7 @@ hmf_status Call::fail(hmf_status status, int32_t element, uint64_t index, const 
 }
 
 hmf_status Call::out_of_memory() {
+    if (cancelled_) return was_cancelled();
     if (memory.failure() == HMF_ERROR_MEMORY_LIMIT)
         return fail(HMF_ERROR_MEMORY_LIMIT, HMF_ELEMENT_NONE, 0,
                     "The memory limit is too low. Raise memory_limit; hmf_memory_estimate gives a sufficient value.");
@@ -206,6 +207,7 @@ hmf_status Call::was_cancelled() {
 }
 
 Done Call::tick(double fraction, bool can_finish) {
+    steps_ = 0;
     if (cancelled_) return false;
     if (!progress_) return true;
     double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);

@@ -263,16 +263,23 @@ public:
         __attribute__((format(printf, 5, 6)))
 #endif
         ;
-    hmf_status out_of_memory(); // status and sentence of memory.failure()
+    hmf_status out_of_memory(); // status and sentence of memory.failure(), or of was_cancelled()
     hmf_status was_cancelled(); // HMF_CANCELLED and its sentence
     // Of a stage that is not Done: cancelled, or out of memory.
-    hmf_status stopped() { return cancelled_ ? was_cancelled() : out_of_memory(); }
+    hmf_status stopped() { return out_of_memory(); }
     hmf_status status() const { return status_; }
 
     // Reports progress, mapped into the current range; false: cancelled.  With
     // can_finish the answer HMF_PROGRESS_FINISH only sets finishing().
     // Cheap enough for every few thousand elementary steps.
     Done tick(double fraction, bool can_finish = false);
+    // Adds elementary steps to those since the last report, and reports when they are a unit of work; false:
+    // cancelled.  What walks a star, a cluster, a loop or a polygon adds what it walked, so that the time between
+    // two reports does not depend on the input.
+    Done work(uint64_t steps, double fraction = 0, bool can_finish = true) {
+        steps_ += steps;
+        return steps_ < unit_of_work || tick(fraction, can_finish);
+    }
     // f(begin, end) for the blocks of a pass over n elements, on the threads of the
     // host, with a report before every so many of them; false: cancelled.
     template <class F>
@@ -300,6 +307,7 @@ public:
     bool out_of_time() const { return time_limit_ > 0 && seconds() > time_limit_; }
 
 private:
+    static constexpr uint64_t unit_of_work = 16384;      // elementary steps
     static constexpr size_t blocks_between_reports = 64; // at most 10 ms in one thread, up to a million elements
 
     hmf_error* error_;
@@ -307,6 +315,7 @@ private:
     void* progress_user_;
     hmf_status status_ = HMF_OK;
     bool cancelled_ = false, finishing_ = false, may_finish_ = true;
+    uint64_t steps_ = 0; // since the last report
     double from_ = 0, to_ = 1, last_ = 0, time_limit_ = 0;
     int64_t start_; // nanoseconds of the steady clock
 };

@@ -54,7 +54,7 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
     for (size_t c = 0; c < loops.count(); ++c) {
         if (c % 256 == 0 && !call.tick(0, true)) return call.was_cancelled();
         bool is_simple = false;
-        if (!disjoint(mesh, loops, c, c + 1, curves, nullptr, call.memory, is_simple)) return call.out_of_memory();
+        if (!disjoint(mesh, loops, c, c + 1, curves, nullptr, call, is_simple)) return call.out_of_memory();
         if (is_simple) continue;
         const uint32_t at = common_element(given, c, c, call.memory);
         if (at == NONE)
@@ -70,7 +70,7 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
         const size_t middle = good + (bad - good) / 2;
         if (!call.tick(0, true)) return call.was_cancelled();
         bool are_disjoint = false;
-        if (!disjoint(mesh, loops, 0, middle, curves, nullptr, call.memory, are_disjoint)) return call.out_of_memory();
+        if (!disjoint(mesh, loops, 0, middle, curves, nullptr, call, are_disjoint)) return call.out_of_memory();
         if (are_disjoint) good = middle;
         else bad = middle;
     }
@@ -83,7 +83,7 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
         two.keep_first(0);
         if (!two.add(loops, c) || !two.add(loops, d)) return call.out_of_memory();
         bool are_disjoint = false;
-        if (!disjoint(mesh, two, 0, 2, curves, nullptr, call.memory, are_disjoint)) return call.out_of_memory();
+        if (!disjoint(mesh, two, 0, 2, curves, nullptr, call, are_disjoint)) return call.out_of_memory();
         if (are_disjoint) continue;
         const uint32_t at = common_element(given, c, d, call.memory);
         if (at == NONE)
@@ -117,10 +117,12 @@ public:
     Done build(Call& call) {
         if (!join(call) || !call.tick(0, true)) return false;
         uint32_t count = 0;
-        for (uint32_t i = 0; i < piece_.size(); ++i) piece_[i] = piece_[i] == i ? count++ : piece_[piece_[i]];
+        for (uint32_t i = 0; i < piece_.size(); ++i) {
+            if (!call.work(4)) return false;
+            piece_[i] = piece_[i] == i ? count++ : piece_[piece_[i]];
+        }
         if (!pieces_.allocate_filled(call.memory, count, Piece{})) return false;
-        count_cells();
-        return true;
+        return count_cells(call);
     }
     // Of segment q of edge e, counted from the origin of half-edge 2e.
     Piece& beside(uint32_t e, uint32_t q) { return pieces_[piece_[segment(e, q)]]; }
@@ -176,16 +178,19 @@ private:
             if (e % stride == 0 && !call.tick(0, true)) return false;
             if (curves_.count[e] == 0) unite(parent, mesh_.origin[2 * e], mesh_.origin[2 * e + 1]);
         }
-        for_regions([=](uint32_t a, uint32_t b, uint32_t c) {
+        Done going_on = true;
+        for_regions([&](uint32_t a, uint32_t b, uint32_t c) {
+            if (!going_on) return;
             unite(parent, a, b);
             unite(parent, b, c);
+            going_on = call.work(8);
         });
-        return true;
+        return going_on;
     }
 
     // Without curves half an edge at each of its ends, and a third of a triangle at each of its corners;
     // then what is cut.
-    void count_cells() {
+    Done count_cells(Call& call) {
         const auto add = [this](uint32_t i, int64_t six) { pieces_[piece_[i]].six_euler += six; };
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             add(v, 6);
@@ -196,10 +201,14 @@ private:
             for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) add(mesh_.origin[h], 3);
             for (uint32_t q = 0; q <= curves_.count[e]; ++q) add(segment(e, q), -6);
         }
-        for_regions([&](uint32_t a, uint32_t, uint32_t) { add(a, 6); });
+        for_regions([&](uint32_t a, uint32_t, uint32_t) {
+            add(a, 6);
+            (void)call.work(8);
+        });
         for_cut_faces([&](const uint32_t* h) {
             for (uint32_t i = 0; i < 3; ++i) add(mesh_.origin[h[i]], -2);
         });
+        return !call.cancelled();
     }
 
     const Mesh& mesh_;
@@ -266,7 +275,7 @@ hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const G
     if (!curves.allocate(mesh, call.memory)) return call.out_of_memory();
     if (!call.tick(0, true)) return call.was_cancelled();
     bool are_disjoint = false;
-    if (!disjoint(mesh, loops, 0, count, curves, &loop_of, call.memory, are_disjoint)) return call.out_of_memory();
+    if (!disjoint(mesh, loops, 0, count, curves, &loop_of, call, are_disjoint)) return call.out_of_memory();
     if (!are_disjoint) return name_crossing(mesh, loops, curves, given, call);
     if (!call.tick(0, true)) return call.was_cancelled();
     return check_pieces(mesh, curves, loop_of, call);

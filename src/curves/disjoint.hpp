@@ -9,10 +9,10 @@ namespace hmf {
 // traced, in `curves` (allocated), and the loop (from 0) of each component in
 // loop_of, if wanted.
 Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
-              Array<uint32_t>* loop_of, Memory& memory, bool& answer);
+              Array<uint32_t>* loop_of, Call& call, bool& answer);
 
 // Is the last loop simple, and disjoint from those before, which are so?  Loops that it shares an edge with are looked
 // at.  curves: allocated; what it holds then means nothing.
-Done last_is_disjoint(const Mesh& mesh, const Loops& loops, Multicurve& curves, Memory& memory, bool& answer);
+Done last_is_disjoint(const Mesh& mesh, const Loops& loops, Multicurve& curves, Call& call, bool& answer);
 
 } // namespace hmf

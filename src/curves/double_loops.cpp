@@ -206,8 +206,7 @@ hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_rou
     Array<uint32_t> loop_of;
     if (!curves.allocate(mesh_, call_.memory)) return call_.out_of_memory();
     bool are_disjoint = false;
-    if (!disjoint(mesh_, all, 0, all.count(), curves, &loop_of, call_.memory, are_disjoint))
-        return call_.out_of_memory();
+    if (!disjoint(mesh_, all, 0, all.count(), curves, &loop_of, call_, are_disjoint)) return call_.out_of_memory();
     if (!are_disjoint) return HMF_OK;
     if (!call_.tick(0, true)) return call_.was_cancelled();
     CutSurface cut;

@@ -43,16 +43,16 @@ void Multicurve::step(const Mesh& mesh, uint32_t& h, uint32_t& p) const {
     p = at < round_origin ? n_left - 1 - at : n - 1 - at;
 }
 
-Done Multicurve::trace(const Mesh& mesh, Memory& memory) {
+Done Multicurve::trace(const Mesh& mesh, Call& call) {
     uint32_t next_first = 0;
     for (uint32_t e : edges) {
         first[e] = next_first;
         next_first += count[e];
     }
-    components.offsets.start(memory);
-    components.crossings.start(memory);
-    begin.start(memory);
-    if (!strand.allocate_filled(memory, total, NONE) || !components.crossings.reserve(total)
+    components.offsets.start(call.memory);
+    components.crossings.start(call.memory);
+    begin.start(call.memory);
+    if (!strand.allocate_filled(call.memory, total, NONE) || !components.crossings.reserve(total)
         || !components.offsets.push(0))
         return false;
     uint32_t component = 0;
@@ -68,6 +68,7 @@ Done Multicurve::trace(const Mesh& mesh, Memory& memory) {
                 if (mark != NONE) break;
                 mark = 2 * component + (h & 1u);
                 components.crossings.add(h);
+                if (!call.work(4)) return false;
                 step(mesh, h, p);
             }
             if (!components.offsets.push(components.crossings.size())) return false;

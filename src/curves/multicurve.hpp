@@ -32,8 +32,8 @@ struct Multicurve {
     Done allocate(const Mesh& mesh, Memory& memory);
     Done add(const uint32_t* half_edges, size_t n);
     void clear();
-    bool is_normal(const Mesh& mesh) const;       // corner counts are integers >= 0
-    Done trace(const Mesh& mesh, Memory& memory); // needs is_normal
+    bool is_normal(const Mesh& mesh) const;   // corner counts are integers >= 0
+    Done trace(const Mesh& mesh, Call& call); // needs is_normal
     // From the crossing at place p (from the origin of half-edge h) that leaves through h to the next one.
     void step(const Mesh& mesh, uint32_t& h, uint32_t& p) const;
 };

@@ -33,7 +33,7 @@ hmf_status CurveClasses::refine(Call& call) {
 
 hmf_status CurveClasses::to_intrinsic(Call& call) {
     for (size_t i = 0; i < hierarchy_->intrinsic_flip_count; ++i) {
-        if (i % CLASSES_STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        if (!call.work(128, 0, false)) return call.was_cancelled();
         flip(mesh_, hierarchy_->intrinsic_flips[i]);
         if (!words_.flipped(mesh_, hierarchy_->intrinsic_flips[i], false)) return call.out_of_memory();
     }

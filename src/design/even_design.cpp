@@ -111,7 +111,7 @@ hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint
     if (level > 0 && !carrier.load(h, level, 0, loops, call.memory)) return call.out_of_memory();
     for (size_t k = level; k-- > 0;) {
         if (!carrier.refine(call)) return call.stopped();
-        if (!carrier.read(0, loops.count(), loops, call.memory)
+        if (!carrier.read(0, loops.count(), loops, call)
             || !view.make(carrier.mesh(), h.levels[k].position, marks, call.memory))
             return call.out_of_memory();
         if (shorten_loops(view.mesh(), view.position(), 0, 1, 1, call, loops)) return call.status();

@@ -36,11 +36,16 @@ Cluster explore_cluster(Foliation& f, uint32_t vertex, const ClusterSearch& sear
     f.stamp[vertex] = mark;
     // Zero edges are met from both ends, zero triangles from three sides.
     uint64_t zero_half_edges = 0, zero_sides = 0;
+    struct Counter {
+        uint64_t &total, steps = 0;
+        ~Counter() { total += steps; }
+    } counter{f.walked};
     for (size_t at = 0; at < f.members.size(); ++at) {
         const uint32_t v = f.members[at];
         if (v == search.target) result.reached = true;
         result.marked += mesh.is_marked(v);
         for (const uint32_t h : mesh.around(v)) {
+            ++counter.steps;
             const uint32_t ahead = mesh.rotate_ccw(h);
             const uint32_t w = mesh.target(h);
             if (f.at(h) == 0 && edge_of(h) != without && w != blocked) {

@@ -45,7 +45,13 @@ struct Foliation {
     uint32_t* stamp = nullptr; // per vertex: the epoch in which it was met last
     uint32_t epoch = 0;
     Array<uint32_t> members; // vertices of the cluster found last
-    Array<uint32_t> pushed;  // vertices that move along with the one of the move planned last
+    uint64_t walked = 0;     // half-edges that were looked at for clusters, for Call::work
+    uint64_t take_walked() {
+        const uint64_t steps = walked;
+        walked = 0;
+        return steps;
+    }
+    Array<uint32_t> pushed; // vertices that move along with the one of the move planned last
     Done allocate_scratch(uint32_t vertex_count, Memory& memory); // for all meshes up to this size
     // Of a task of a sweep (sweep.hpp): it goes no further than the inside of its block,
     // and outside says that it would have had to.

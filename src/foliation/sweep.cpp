@@ -133,7 +133,7 @@ Done Sweeps::sweep_round(uint32_t round, Foliation& f, const Rings& rings, const
 Done Sweeps::sweep_list(List list, Foliation& f, const Rings& rings, const double* weight, Star& star,
                         SweepResult& result, Call& call, double fraction) {
     for (uint32_t i = 0; i < list.size; ++i) {
-        if (i % 8192 == 0 && !call.tick(fraction, true)) return false;
+        if (i % 256 == 0 && !call.work(8192 + 8 * f.take_walked(), fraction)) return false;
         if (list.size - i > Rings::ahead) rings.prefetch_star(f.value, weight, list[i + Rings::ahead]);
         relax_vertex(f, rings, weight, list[i], star, result);
     }
@@ -145,7 +145,7 @@ void Sweeps::sweep(Foliation& f, const Rings& rings, const double* weight, bool 
     if (block_count_ == 1) {
         const uint32_t n = f.mesh.vertex_count;
         for (uint32_t i = 0; i < n; ++i) {
-            if (i % 8192 == 0 && !call.tick(fraction, true)) return;
+            if (i % 256 == 0 && !call.work(8192 + 8 * f.take_walked(), fraction)) return;
             if (n - i > Rings::ahead)
                 rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::ahead : i + Rings::ahead);
             relax_vertex(f, rings, weight, backward ? n - 1 - i : i, star, result);

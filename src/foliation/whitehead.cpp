@@ -454,7 +454,7 @@ ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight,
     ResidualResult result;
     double sum = 0;
     for (uint32_t v = 0; v < n; ++v) {
-        if (v % 65536 == 0 && !call.tick(0, true)) break;
+        if (v % 256 == 0 && !call.work(8192 + 8 * f.take_walked())) break;
         const double r = residual_at(f, rings, weight, v, floor, star);
         if (residual) residual[v] = r;
         sum += r;

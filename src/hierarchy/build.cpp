@@ -552,7 +552,9 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
     const uint64_t slack = 131072 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
     const uint64_t input = 24 * F + 4 * V + 4 * E + 8 * E; // the caller's triangles, the maps, weights of level 0
-    const uint64_t metric = 8 * E + 8 * F;
+    const uint64_t metric = 24 * (E + F);                  // to 31 digits where triangles are thin
+    // A polygon of all triangles, while flat polygons are triangulated.
+    const uint64_t polygons = 200 * F + E + V;
     const bool has_blocks = V >> (WorkMesh::smallest_block_shift + 1) > 0;
     const uint64_t queues = 4 * BucketQueue::BUCKETS * (has_blocks ? WorkMesh::most_blocks + 1 : 1);
     const uint64_t work = 30 * E + 34 * V + queues + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
@@ -574,7 +576,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t numbering =
         input + metric + log + 3 * flips + geometry + numberings + coarse_meshes + mesh + 24 * V + 8 * E;
     const uint64_t replaying = input + metric + log + flips + geometry + coarse_meshes + mesh + 24 * V;
-    const uint64_t finishing = replaying + mesh + 4 * E + 8 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
+    const uint64_t finishing = replaying + mesh + 4 * E + 8 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E + polygons;
     uint64_t bound = ordering;
     const uint64_t stages[4] = {loading, coarsening, numbering, finishing};
     for (const uint64_t stage : stages) bound = std::max(bound, stage);

@@ -37,7 +37,7 @@ public:
         if (exact && find_rings(exact)) return call_.status();
         for (size_t k = 0; exact && k < rings_.size(); ++k)
             if (shift(rings_[k], exact)) return call_.status();
-        if (exact) reflect(made);
+        if (exact && !reflect(made)) return call_.stopped();
         if (!exact) std::memcpy(f_.value, before.data(), mesh_.edge_count * sizeof(int64_t));
         return HMF_OK;
     }
@@ -245,14 +245,21 @@ private:
     }
 
     // The values of the front on the back.
-    void reflect(Symmetrised& made) {
+    Done reflect(Symmetrised& made) {
         bool& exact = made.exact;
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)
             if (mirror_.is_front[h]) f_.value[edge_of(mirror_.half_edge[h])] = f_.at(h);
-        for (uint32_t v = 0; v < mesh_.vertex_count && exact; ++v)
-            if (is_boundary(v) && !settle_extremum(f_, v)) exact = false;
+        Array<uint8_t> is_settled; // in a cluster that was looked at
+        if (!is_settled.allocate_filled(call_.memory, mesh_.vertex_count, 0)) return false;
+        for (uint32_t v = 0; v < mesh_.vertex_count && exact; ++v) {
+            if (!is_boundary(v) || is_settled[v]) continue;
+            if (!settle_extremum(f_, v)) exact = false;
+            for (const uint32_t u : f_.members) is_settled[u] = 1;
+            if (!call_.work(64 * f_.members.size())) return false;
+        }
         made.count = count_singularities(f_);
         exact = exact && made.count.poles == 0 && made.count.broken_triangles == 0;
+        return true;
     }
 
     Foliation& f_;

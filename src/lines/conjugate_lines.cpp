@@ -63,7 +63,7 @@ public:
         }
         uint32_t inside = graph ? graph->sector_at(g_, c) : NONE;
         for (uint64_t n = 0; n < crossing_limit_; ++n) {
-            if (n % 16384 == 0 && !call_.tick(0)) return call_.was_cancelled();
+            if (!call_.work(64, 0, false)) return call_.was_cancelled();
             const Crossing next = follow(g_, c);
             point_at(g_, position_, next, point);
             double grown =

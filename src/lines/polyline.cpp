@@ -130,7 +130,7 @@ hmf_status Lines::add_leaf(const Crossing& start, hmf_line line) {
                 return end_line(line) ? HMF_OK : call_.out_of_memory();
             }
             if (n > crossing_limit || limited(length + step)) break;
-            if (n % 16384 == 0 && !call_.tick(0)) return call_.was_cancelled();
+            if (!call_.work(64, 0, false)) return call_.was_cancelled();
             length += step;
             if (!add(point, edge_of(c.half_edge))) return call_.out_of_memory();
             for (int k = 0; k < 3; ++k) before[k] = point[k];

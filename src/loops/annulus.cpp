@@ -11,6 +11,8 @@ namespace {
 constexpr uint32_t ANNULUS_TURNS = 4, FIRST_TURN = 1;
 // Of the distances from the landmark, in shortest ways round from it.
 constexpr double RADIUS = 1.25;
+// Around a vertex of more triangles regions are not identified: each new region takes a walk around it.
+constexpr size_t MOST_IN_FAN = 512;
 constexpr uint32_t CLOSED = static_cast<uint32_t>(-1); // a stamp
 
 } // namespace
@@ -121,12 +123,14 @@ Done Annulus::find_same(uint32_t a) {
     const uint32_t b = border_[a].after, link_a = border_[a].link, link_b = border_[b].link;
     const Place place = copies_[link_a / 4].side[link_a % 4];
     if (a == b || !ends_at_plain_vertex(place)) return true;
-    const size_t degree = mesh_.degree(mesh_.target(place.half_edge));
+    size_t degree = 0;
+    for (const uint32_t h : mesh_.around(mesh_.target(place.half_edge)))
+        if (++degree > MOST_IN_FAN || h == NONE) return true;
     fan_.clear();
     int32_t turns = 0;
     uint32_t at = link_a;
     for (;;) {
-        if (!fan_.push({at / 4, turns})) return false;
+        if (!fan_.push({at / 4, turns}) || !call_.work(1)) return false;
         if (fan_.size() > degree) {
             const Wedge first = fan_[fan_.size() - 1 - degree];
             Copy& one = copies_[first.copy];
@@ -163,7 +167,7 @@ Done Annulus::grow(size_t capacity) {
         const NearestFirst::Entry top = heap_.pop();
         const uint32_t b = top.item, link = border_[b].link;
         if (link == NONE) continue;
-        if (copies_.size() % 8192 == 0 && !call_.tick(0, true)) return false;
+        if (!call_.work(64)) return false;
         const uint32_t copy = static_cast<uint32_t>(copies_.size());
         if (!add_copy(other(copies_[link / 4].side[link % 4]), top.distance)) return false;
         copies_[link / 4].to[link % 4] = 4 * copy;
@@ -225,7 +229,7 @@ Done Annulus::search_from(uint32_t root, bool is_landmark, double& best, Array<u
             if (!is_landmark) break;
             radius = std::min(radius, RADIUS * top.distance);
         }
-        if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
+        if (!call_.work(64)) return false;
         const Copy& copy = copies_[state / ANNULUS_TURNS];
         for (uint32_t s = 0; s < 4; ++s) {
             const uint32_t next = s == 3 ? copy.same : s < copy.sides && copy.to[s] != NONE ? copy.to[s] / 4 : NONE;

@@ -97,7 +97,7 @@ private:
     Array<Wedge> fan_;
     Array<SearchState> state_; // per copy and turn
     Array<double> landmark_;   // likewise, the distance from the landmark
-    uint32_t stamp_ = 0, work_ = 0;
+    uint32_t stamp_ = 0;
 };
 
 } // namespace hmf

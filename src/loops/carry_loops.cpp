@@ -145,12 +145,13 @@ Done LoopCarrier::refine(Call& call) {
     return true;
 }
 
-Done LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
-    if (!out.start(memory)) return false;
+Done LoopCarrier::read(size_t first, size_t last, Loops& out, Call& call) {
+    if (!out.start(call.memory)) return false;
     // One loop after another, each from its crossing numbers.
     const Mesh& mesh = mesh_of(level_);
     Array<uint32_t> edge, begin; // of all loops, sorted by loop
-    if (!begin.allocate_filled(memory, loop_count_ + 2, 0u) || !edge.allocate(memory, entries_.size())) return false;
+    if (!begin.allocate_filled(call.memory, loop_count_ + 2, 0u) || !edge.allocate(call.memory, entries_.size()))
+        return false;
     for (const Entry& entry : entries_)
         if (entry.loop != NONE) ++begin[entry.loop + 2];
     for (size_t c = 0; c < loop_count_; ++c) begin[c + 2] += begin[c + 1];
@@ -167,7 +168,7 @@ Done LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
             curve_.total += entry.count;
             if (entry.count && !curve_.edges.push(edge[i])) return false;
         }
-        if (!curve_.trace(mesh, memory)) return false;
+        if (!curve_.trace(mesh, call)) return false;
         int64_t sum = 0;
         for (uint32_t h : curve_.components.crossings)
             if (edge_of(h) == oriented) sum += h & 1u ? -1 : 1;

@@ -28,7 +28,7 @@ public:
     // To the next finer level; level 0 is reached on the mesh of the caller.
     Done refine(Call& call);
     // Loops first .. last - 1, which must be disjoint, with their directions.
-    Done read(size_t first, size_t last, Loops& out, Memory& memory);
+    Done read(size_t first, size_t last, Loops& out, Call& call);
     // Other loops in their place: same number, same level.
     Done replace(const Loops& loops);
 

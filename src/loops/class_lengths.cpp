@@ -217,7 +217,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
 Done ClassLengths::keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end) {
     bool simple = false;
     one_.keep_first(0);
-    if (!one_.add(loop_) || !disjoint(mesh_, one_, 0, 1, curve_, nullptr, call_.memory, simple)) return false;
+    if (!one_.add(loop_) || !disjoint(mesh_, one_, 0, 1, curve_, nullptr, call_, simple)) return false;
     first = crossings_.size();
     for (size_t k = 0; k < (simple ? loop_.size() : n); ++k)
         if (!crossings_.push(simple ? loop_[k] : crossings[k])) return false;
@@ -327,7 +327,7 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         || (found_ > finest + 1 && !curve.allocate(hierarchy_->levels[finest + 1].mesh, call_.memory)))
         return false;
     while (carrier.level() > finest) {
-        if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_.memory)) return false;
+        if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_)) return false;
         const bool last = carrier.level() == finest;
         const double* const position = hierarchy_->levels[carrier.level()].position;
         const Mesh& mesh = carrier.mesh();
@@ -340,8 +340,7 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
             if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), false, c)) return false;
             if (last) continue;
             bool simple = false;
-            if (!pulled.add(loop_) || !disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_.memory, simple))
-                return false;
+            if (!pulled.add(loop_) || !disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_, simple)) return false;
             if (simple) continue;
             pulled.keep_first(k);
             if (!pulled.add(loops, k)) return false;

@@ -132,8 +132,8 @@ private:
 
     // Loop k and those after it for which one search is enough; k: the next one.
     hmf_status add_batch(uint32_t& k, uint32_t genus, double budget) {
-        if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
-            || !signatures_.build(cut_, call_) || !prepare())
+        if (!curves_.trace(mesh_, call_) || !cut_.build(mesh_, curves_, true, call_) || !signatures_.build(cut_, call_)
+            || !prepare())
             return call_.stopped();
         has_many_ = genus >= MANY_CUT_HANDLES && !condition_;
         is_far_ = k + 1 == genus && has_many_;
@@ -312,7 +312,7 @@ private:
         if (lengths_.has_pulled()) {
             bool are_disjoint = false;
             if (!out_->add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id))
-                || !last_is_disjoint(mesh_, *out_, test_, memory_, are_disjoint))
+                || !last_is_disjoint(mesh_, *out_, test_, call_, are_disjoint))
                 return false;
             if (are_disjoint) return curves_.add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id));
             out_->keep_first(out_->count() - 1);
@@ -510,7 +510,7 @@ private:
         for (const uint32_t link : try_)
             if (!all.crossings.push(cut_.half_edge(link))) return false;
         return all.offsets.push(all.crossings.size())
-            && disjoint(mesh_, all, 0, all.count(), test_, nullptr, memory_, simple);
+            && disjoint(mesh_, all, 0, all.count(), test_, nullptr, call_, simple);
     }
 
     const Mesh& mesh_;

@@ -351,8 +351,7 @@ private:
             if (c != curve[0] && (count < 2 || c != curve[1]) && !changed.add(loops_, c)) return false;
         done = true;
         for (uint32_t i = 0; done && i < count; ++i)
-            if (!changed.add(strip[i], size[i]) || !last_is_disjoint(mesh_, changed, test_, memory_, done))
-                return false;
+            if (!changed.add(strip[i], size[i]) || !last_is_disjoint(mesh_, changed, test_, call_, done)) return false;
         if (!done) return true;
         for (size_t c = 0; c < loops_.count(); ++c) {
             const size_t i = c == curve[0] ? 0 : count > 1 && c == curve[1] ? 1 : 2;
@@ -399,7 +398,7 @@ private:
                 if (apart) continue;
                 if (!two.start(memory_) || !two.add(loops_, c)
                     || !two.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                    || !last_is_disjoint(mesh_, two, test_, memory_, apart))
+                    || !last_is_disjoint(mesh_, two, test_, call_, apart))
                     return false;
                 if (apart) continue;
                 is_pulled[c] = 1;
@@ -411,7 +410,7 @@ private:
             if (!(is_pulled[c] ? changed.add(lengths_.pulled(id_[c]), lengths_.pulled_size(id_[c]))
                                : changed.add(loops_, c)))
                 return false;
-        if (!disjoint(mesh_, changed, 0, n, test_, nullptr, memory_, done)) return false;
+        if (!disjoint(mesh_, changed, 0, n, test_, nullptr, call_, done)) return false;
         if (done) loops_.swap(changed);
         return true;
     }

@@ -148,8 +148,7 @@ private:
         if (!carrier.load(h_, found_, 0, both, call_.memory)) return call_.out_of_memory();
         while (carrier.level() > 0)
             if (!carrier.refine(call_)) return call_.stopped();
-        if (!carrier.read(0, g, fine_a, call_.memory) || !carrier.read(g, 2 * g, fine_b, call_.memory))
-            return call_.out_of_memory();
+        if (!carrier.read(0, g, fine_a, call_) || !carrier.read(g, 2 * g, fine_b, call_)) return call_.out_of_memory();
         return seifert_form(h_.input, h_.levels[0].position, fine_a, fine_b, call_, form_);
     }
 

@@ -60,7 +60,7 @@ hmf_status carry_to_finer(const hmf_hierarchy& h, size_t from, size_t level, Cal
     LoopCarrier carrier;
     if (!carrier.load(h, from, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
-        if (!carrier.refine(call) || !carrier.read(0, out.count(), out, call.memory)) return call.stopped();
+        if (!carrier.refine(call) || !carrier.read(0, out.count(), out, call)) return call.stopped();
         const hmf_status status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
         if (status) return status;
         if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();

@@ -180,7 +180,7 @@ private:
     hmf_status load(const Loops& loops, LoopSet& set) {
         if (!set.curves.allocate(mesh_, call_.memory)) return call_.out_of_memory();
         bool are_disjoint = false;
-        if (!disjoint(mesh_, loops, 0, loops.count(), set.curves, &set.loop_of, call_.memory, are_disjoint)
+        if (!disjoint(mesh_, loops, 0, loops.count(), set.curves, &set.loop_of, call_, are_disjoint)
             || !set.reversed.allocate(call_.memory, loops.count()))
             return call_.out_of_memory();
         if (!are_disjoint)

@@ -62,7 +62,7 @@ private:
         const size_t n = cut_.length(c);
         walk_.clear();
         one_.clear();
-        if (!one_.add(loop, n) || !one_.trace(mesh_, memory_) || !surface_.build(mesh_, one_, true, call_)
+        if (!one_.add(loop, n) || !one_.trace(mesh_, call_) || !surface_.build(mesh_, one_, true, call_)
             || !distance_.allocate_filled(memory_, surface_.region_count, HUGE_VAL)
             || !from_.allocate_filled(memory_, surface_.region_count, NONE)
             || !left_.allocate_filled(memory_, surface_.region_count, NONE)
@@ -141,7 +141,7 @@ private:
     Done meets_loops(const Neck& neck, Loops& loops, bool& answer) {
         bool are_disjoint = false;
         if (!loops.add(lengths_.pulled(neck.id), lengths_.pulled_size(neck.id))
-            || !last_is_disjoint(mesh_, loops, all_, memory_, are_disjoint))
+            || !last_is_disjoint(mesh_, loops, all_, call_, are_disjoint))
             return false;
         answer = !are_disjoint;
         return true;

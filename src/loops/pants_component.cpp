@@ -14,7 +14,7 @@ hmf_status PantsComponents::start(const Loops& loops, Call& call) {
     Array<uint32_t> loop_of;
     bool are_disjoint = false;
     if (!curves_.allocate(mesh_, memory) || !side_.allocate(memory, 2 * n) || !component_of_.allocate(memory, n)
-        || !disjoint(mesh_, loops, 0, n, curves_, &loop_of, memory, are_disjoint))
+        || !disjoint(mesh_, loops, 0, n, curves_, &loop_of, call, are_disjoint))
         return call.out_of_memory();
     if (!are_disjoint)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, n, "Loops are not disjoint. Please report this.");

@@ -159,7 +159,7 @@ private:
     hmf_status cut() {
         const size_t n = loops_.count();
         bool are_disjoint = false;
-        if (!disjoint(mesh_, loops_, 0, n, curves_, nullptr, memory_, are_disjoint)) return call_.out_of_memory();
+        if (!disjoint(mesh_, loops_, 0, n, curves_, nullptr, call_, are_disjoint)) return call_.out_of_memory();
         if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, n, "Loops are not disjoint. Please report this.");
         if (!cut_.build(mesh_, curves_, true, call_) || !piece_.allocate(memory_, cut_.region_count)
@@ -417,8 +417,7 @@ private:
             const Strip strip = {strips_.size(), necks_->length(c)};
             for (size_t k = 0; k < strip.size; ++k)
                 if (!strips_.push(necks_->loop(c)[k])) return false;
-            if (!loops_.add(*necks_, c) || !last_is_disjoint(mesh_, loops_, curves_, memory_, are_disjoint))
-                return false;
+            if (!loops_.add(*necks_, c) || !last_is_disjoint(mesh_, loops_, curves_, call_, are_disjoint)) return false;
             loops_.keep_first(loops_.count() - 1);
             if (are_disjoint && !offer(first, strip, added)) return false;
             for (const Choice& choice : choice_) is_taken |= added && ids_[choice.first + choice.taken] == ids_.back();
@@ -461,7 +460,7 @@ private:
         if (lengths_.has_pulled()) {
             const uint32_t id = ids_[at];
             if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                || !last_is_disjoint(mesh_, loops_, curves_, memory_, are_disjoint))
+                || !last_is_disjoint(mesh_, loops_, curves_, call_, are_disjoint))
                 return call_.out_of_memory();
             if (!are_disjoint) loops_.keep_first(loops_.count() - 1);
         }

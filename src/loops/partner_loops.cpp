@@ -62,7 +62,7 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
         for (size_t c = 0; c < g; ++c)
             if (!all.add(c < j ? out : loops, c)) return call.out_of_memory();
         bool are_disjoint = false;
-        if (!disjoint(mesh, all, 0, g, curves, &loop_of, memory, are_disjoint)) return call.out_of_memory();
+        if (!disjoint(mesh, all, 0, g, curves, &loop_of, call, are_disjoint)) return call.out_of_memory();
         if (!are_disjoint)
             return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
         if (!cut.build(mesh, curves, true, call)) return call.stopped();

@@ -29,8 +29,7 @@ public:
         const size_t n = loops_.count();
         if (!curves_.allocate(mesh_, call_.memory)) return call_.out_of_memory();
         bool are_disjoint = false;
-        if (!disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_.memory, are_disjoint))
-            return call_.out_of_memory();
+        if (!disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_, are_disjoint)) return call_.out_of_memory();
         if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
                               "Carried loops are not disjoint. Please report this.");
@@ -99,12 +98,12 @@ private:
             if (!(k == c ? changed.add(found_.data() + from, to - from) : changed.add(loops_, k)))
                 return call_.out_of_memory();
         bool sound = false;
-        if (!disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory, sound))
+        if (!disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_, sound))
             return call_.out_of_memory();
         if (sound) {
             again = after < before * (1 - SHORTEN_LITTLE);
             loops_.swap(changed);
-        } else if (!disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_.memory, sound)) {
+        } else if (!disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_, sound)) {
             return call_.out_of_memory();
         }
         return HMF_OK;

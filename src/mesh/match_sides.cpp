@@ -50,7 +50,9 @@ struct Bucket {
     uint32_t *key, *place;
     uint64_t* pair; // the second side of an edge, and below it the first one, by their numbers in it
     uint32_t size, pairs;
+    Call* call; // for reports, where one thread does all; or NULL
 
+    bool work(uint64_t steps) const { return !call || call->work(steps, 0.06, false); }
     void add(uint32_t side_key, uint32_t side_place) {
         key[size] = side_key;
         place[size++] = side_place;
@@ -88,7 +90,8 @@ private:
     uint32_t match_sorted() {
         const auto lower = [](uint64_t a, uint64_t b) { return a < b; };
         for (uint32_t n = 0; n < size; ++n) pair[n] = uint64_t{key[n]} << 32 | n;
-        heap_sort(pair, size, lower);
+        const auto go_on = [this] { return work(128); };
+        if (!heap_sort(pair, size, lower, go_on)) return NONE;
         uint32_t third = NONE;
         bool after_second = false;
         for (uint32_t n = 1; n < size; ++n) { // pairs are written over what has been read
@@ -98,7 +101,7 @@ private:
             else if (same) pair[pairs++] = uint64_t{here} << 32 | static_cast<uint32_t>(pair[n - 1]);
             after_second = same;
         }
-        heap_sort(pair, pairs, lower);
+        (void)heap_sort(pair, pairs, lower, go_on);
         return third;
     }
 };
@@ -266,10 +269,11 @@ private:
             return call_.out_of_memory();
         parallel.for_each(block_count_, [&](uint32_t k, uint32_t slot) {
             uint32_t* const first = sides.data() + 2 * room * slot;
-            Bucket bucket = {first, first + room, pairs.data() + (room + 1) * slot, 0, 0};
+            Bucket bucket = {
+                first, first + room, pairs.data() + (room + 1) * slot, 0, 0, parallel.slots() == 1 ? &call_ : nullptr};
             match_block(k, keys, bucket);
         });
-        return HMF_OK;
+        return call_.cancelled() ? HMF_CANCELLED : HMF_OK;
     }
 
     // The sides with this lower vertex.  face: the first one that has it as its lowest; moved on.
@@ -303,6 +307,7 @@ private:
         for (uint32_t low = first_vertex(k); low < vertex_end(k); ++low) {
             gather(k, low, keys, face, bucket);
             const uint32_t third = bucket.match();
+            if (!bucket.work(16 + 16 * uint64_t{bucket.size})) return;
             if (third != NONE) {
                 block.third = bucket.place[third];
                 return;

@@ -55,9 +55,8 @@ public:
             distance[0] = 0;
             if (!heap_.push(0, 0)) return false;
         }
-        uint32_t steps = 0;
         while (!heap_.empty()) {
-            if (++steps % SEAMS_STRIDE == 0 && !call.tick(0)) return false;
+            if (!call.work(64)) return false;
             const NearestFirstRounded::Entry entry = heap_.pop_entry();
             if (!heap_.empty())
                 for (const uint32_t h : stars.of(heap_.top())) {

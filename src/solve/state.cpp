@@ -49,7 +49,7 @@ Done State::refine(Call& call) {
     const Level& finer = hierarchy->levels[level - 1];
     if (finer.flip_end > finer.flip_begin && !own(call)) return false;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        if (!call.work(16 + 8 * foliation.take_walked())) return false;
         flip_foliation(foliation, hierarchy->flips[i], true, statistics, bad_flip);
         if (listener && !listener->flipped(listener->user, foliation.mesh, hierarchy->flips[i], true)) return false;
     }
@@ -81,14 +81,14 @@ Done State::coarsen(Call& call, RestrictionScratch& scratch) {
     const Level& coarser = hierarchy->levels[level + 1];
     Mesh& mesh = foliation.mesh;
     for (size_t i = level_now.collapse_begin; i < level_now.collapse_end; ++i) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        if (!call.work(16 + 8 * foliation.take_walked())) return false;
         if (!collapse_foliation(foliation, hierarchy->collapses[i], scratch)) return false;
     }
     mesh.vertex_count = coarser.mesh.vertex_count;
     mesh.edge_count = coarser.mesh.edge_count;
     mesh.face_count = coarser.mesh.face_count;
     for (size_t i = level_now.flip_begin; i < level_now.flip_end; ++i) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        if (!call.work(16 + 8 * foliation.take_walked())) return false;
         flip_foliation(foliation, hierarchy->flips[i], false, statistics);
     }
     ++level;
@@ -113,7 +113,7 @@ Done State::to_intrinsic(Call& call) {
     largest_input_value = largest_value(foliation, call.parallel);
     if (hierarchy->intrinsic_flip_count > 0 && !own(call)) return false;
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        if (!call.work(16 + 8 * foliation.take_walked())) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
         const uint32_t edge = hierarchy->intrinsic_flips[i];
         if (listener && !listener->flipped(listener->user, foliation.mesh, edge, false)) return false;
@@ -135,7 +135,7 @@ Done State::to_input(Call& call) {
     listener = nullptr;
     if (hierarchy->intrinsic_flip_count > 0 && !own(call)) return false;
     for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        if (!call.work(16 + 8 * foliation.take_walked())) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);
     }
     triangulation = Triangulation::input;

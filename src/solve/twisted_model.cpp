@@ -19,8 +19,6 @@ Done TwistedModel::allocate(const Mesh& mesh, Memory& memory, const Parallel& pa
         && upper.allocate_filled(memory, n, INT64_MAX, parallel) && d.allocate(memory, n);
 }
 
-constexpr uint32_t stride = 65536; // vertices between two calls of the progress function
-
 Done TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
     const Mesh& mesh = f.mesh;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
@@ -218,7 +216,7 @@ Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
         if (part[k].max > residuals.max) residuals.max = part[k].max; // NOLINT(clang-analyzer-core*)
         for (uint32_t i = 0; i < listed[k]; ++i) {                    // NOLINT(clang-analyzer-core*)
             const uint32_t v = list[k * size + i];
-            if (i % stride == 0 && !call.tick(0, true)) return false;
+            if (!call.work(64 + 8 * f.take_walked())) return false;
             if (!rings.is(v, Monogons::HOST)
                 && look_at_plain_vertex(f, rings, weight, v, floor, Kind::any, residuals)) {
                 if (!find_tripods(f, rings, v)) return false;
@@ -229,7 +227,10 @@ Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     for (uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
         if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
-    for (uint32_t v : special_) residuals.add(residual_at(f, rings, weight, v, floor, star));
+    for (uint32_t v : special_) {
+        residuals.add(residual_at(f, rings, weight, v, floor, star));
+        if (!call.work(64 + 8 * f.take_walked())) return false;
+    }
     residual_max = residuals.max;
     residual_sum = residuals.sum;
     return true;

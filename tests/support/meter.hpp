@@ -67,4 +67,29 @@ struct Progress {
     }
 };
 
+// The most work between two calls of the progress function, counted and not timed: blocks of instructions that the
+// library ran, in a build that counts them (tests/work).  A block takes about a nanosecond.
+struct Work {
+    explicit Work(const uint64_t& blocks) : now(blocks), last(blocks), begin(blocks) {}
+    const uint64_t& now;
+    uint64_t last, begin, most = 0;
+
+    static int32_t call(void* user, double) {
+        static_cast<Work*>(user)->report();
+        return HMF_PROGRESS_CONTINUE;
+    }
+    void report() {
+        most = std::max(most, now - last);
+        last = now;
+    }
+    uint64_t all() const { return now - begin; }
+    hmf_control control() {
+        hmf_control c{};
+        c.struct_size = sizeof c;
+        c.progress = call;
+        c.progress_user = this;
+        return c;
+    }
+};
+
 } // namespace test
