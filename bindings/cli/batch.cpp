@@ -4,10 +4,12 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "children.hpp"
+#include "counted.hpp"
 #include "output.hpp"
 #include "progress.hpp"
 #include "read_mesh.hpp"
@@ -31,12 +33,15 @@ int status_in(const Json& result) {
     return status ? static_cast<int>(status->number()) : EXIT_RESOURCES;
 }
 
-std::vector<std::string> meshes_in(const std::string& folder) {
+// skipped: files that the tool does not read.
+std::vector<std::string> meshes_in(const std::string& folder, std::map<std::string, size_t>& skipped) {
     std::vector<std::string> meshes;
     std::error_code code;
     for (const auto& entry : std::filesystem::directory_iterator(folder, code))
-        if (entry.is_regular_file(code) && readers::format_of_extension(mesh_extension(entry.path().string())))
+        if (!entry.is_regular_file(code)) continue;
+        else if (readers::format_of_extension(mesh_extension(entry.path().string())))
             meshes.push_back(entry.path().string());
+        else ++skipped[extension_of(entry.path().string())];
     if (code) throw Failure(EXIT_RESOURCES, folder + ": is not a folder that can be read; check its name");
     if (meshes.empty()) throw Failure(EXIT_BAD_INPUT, folder + ": there is no mesh in it");
     std::sort(meshes.begin(), meshes.end());
@@ -111,7 +116,8 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
         how.push_back("--threads=" + std::to_string(std::clamp<uint64_t>(processors / jobs, 1, 256)));
     }
 
-    std::vector<std::string> meshes = meshes_in(folder);
+    std::map<std::string, size_t> skipped;
+    std::vector<std::string> meshes = meshes_in(folder, skipped);
     const std::set<std::string> done = done_in(out);
     const size_t all = meshes.size();
     meshes.erase(std::remove_if(meshes.begin(), meshes.end(), [&](const std::string& m) { return done.count(m) > 0; }),
@@ -122,7 +128,8 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
 
     const Progress interrupts; // no bar, but Control-C
     Children children(out + ".part.json");
-    size_t next = 0, count = all - meshes.size();
+    const size_t before = all - meshes.size();
+    size_t next = 0, count = before, failed = 0;
     bool written = true;
     while (written && (children.count() > 0 || (next < meshes.size() && !was_interrupted()))) {
         while (next < meshes.size() && children.count() < jobs && !was_interrupted())
@@ -138,6 +145,7 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             const Json* const errors = result.find("errors");
             const bool solved = status_in(result) == EXIT_SOLVED || !errors || errors->elements().empty();
             const std::string* const sentence = solved ? nullptr : errors->elements()[0].text();
+            failed += !solved;
             const std::string prefix = child.mesh + ": ", text = sentence ? *sentence : "solved";
             const bool named = text.compare(0, child.mesh.size() + 1, child.mesh + ":") == 0;
             std::printf("[%zu/%zu] %s%s\n", ++count, all, named ? "" : prefix.c_str(), text.c_str());
@@ -146,6 +154,11 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     }
     written = std::fclose(file) == 0 && written;
     if (!written) throw Failure(EXIT_RESOURCES, out + ": cannot be written to the end; check the free space");
+    std::string summary = counted(all, "mesh", "meshes") + ": " + std::to_string(count - before - failed) + " solved, "
+                        + std::to_string(failed) + " not, " + std::to_string(before) + " had a line";
+    for (const auto& [extension, files] : skipped)
+        summary += "; skipped " + counted(files, "file") + " " + (extension.empty() ? "without extension" : extension);
+    std::printf("%s\n", summary.c_str());
     if (was_interrupted()) throw Failure(EXIT_LIMIT, "interrupted; the same command goes on with the other meshes");
     return EXIT_SOLVED;
 }
