@@ -77,7 +77,7 @@ class Batch(Case):
         self.assertRegex(done.stdout.splitlines()[-1], r"^\d+ meshes: \d+ solved, \d+ not, \d+ had a line")
         self.assertEqual(self.read("out.ndjson")[:len(whole[0] + whole[1])], whole[0] + whole[1])
         self.assertEqual([r["input"] for r in self.lines()], self.names)
-        self.assertEqual(self.run_tool("batch", self.path("meshes"), "--out", self.out).stdout, "")
+        self.assertEqual(self.run_tool("batch", self.path("meshes"), "--out", self.out).stdout, "4 meshes: 0 solved, 0 not, 4 had a line; skipped 1 file .txt\n")
 
     def test_refusals(self):
         self.refused(2, "batch", self.path("meshes"), says=["--out"])
