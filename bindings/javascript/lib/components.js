@@ -2,7 +2,7 @@
 import { constants } from '../dist/layout.js';
 import { HmfError, namesOf, statusName } from './error.js';
 import { described, numbers, optionsOf } from './arguments.js';
-import { BUILD_OPTIONS, Hierarchy, withMesh } from './hierarchy.js';
+import { BUILD_OPTIONS, Hierarchy, suggestMarks, withMesh } from './hierarchy.js';
 import { SOLVE_OPTIONS } from './solve.js';
 
 const elements = namesOf('HMF_ELEMENT_').byValue;
@@ -79,9 +79,13 @@ export function solveComponents(module, positions, triangles, options) {
     if (progress !== undefined && typeof progress !== 'function') throw new TypeError(`progress is ${described(progress)}; give a function.`);
     const pick = wanted => Object.fromEntries(Object.entries(given).filter(([name]) => wanted.includes(name) && name !== 'progress' && name !== 'markedVertices'));
     const build = pick(BUILD_OPTIONS), solve = pick(SOLVE_OPTIONS);
+    const suggests = given.markedVertices === undefined || given.markedVertices === 'suggest';
+    const limits = Object.fromEntries(Object.entries(build).filter(([name]) => name === 'mollify' || name === 'memoryLimit'));
+    const marks = suggests ? suggestMarks(module, positions, triangles, limits) : given.markedVertices;
     const divided = components(module, positions, triangles,
-        { ...build, markedVertices: given.markedVertices ?? [], progress: progress ? fraction => progress(DIVIDE_SHARE * fraction) : undefined });
-    const parts = loops === undefined ? undefined : splitLoops(divided, loops);
+        { ...build, markedVertices: marks, progress: progress ? fraction => progress(DIVIDE_SHARE * fraction) : undefined });
+    const kind = typeof loops === 'string' ? loops : undefined;
+    const parts = loops === undefined || kind !== undefined ? undefined : splitLoops(divided, loops);
     const values = new Float64Array(divided.edgeCount);
     let done = DIVIDE_SHARE;
     const rows = divided.components.map((component, k) => {
@@ -91,7 +95,7 @@ export function solveComponents(module, positions, triangles, options) {
         if (component.status !== 0) return none(component.status, module.statusText(component.status));
         if (parts && parts[k].loops.length === 0) return none(constants.HMF_ERROR_LOOP_COUNT, 'No loop lies on it.');
         try {
-            const report = solveOne(module, component, parts?.[k], build, solve, progress && (fraction => progress(begin + (end - begin) * fraction)), values);
+            const report = solveOne(module, component, kind ?? parts?.[k], build, solve, progress && (fraction => progress(begin + (end - begin) * fraction)), values);
             const status = constants[report.status];
             return { ...component, status, statusName: report.status, message: status === 0 ? '' : module.statusText(status), report };
         } catch (error) {

@@ -24,6 +24,34 @@ export function statusName(status) {
 
 const elements = namesOf('HMF_ELEMENT_').byValue;
 
+// What sentences of the C library call otherwise than this package; other sentences with its words are left out.
+const words = [
+    ['hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio', 'The options cannot be used: ratio'],
+    [', position_stride fits into memory, allocate and release come together', ''],
+    ['set mollify in the build options', 'give mollify: 1e-5'],
+    ['HMF_METHOD_WHITEHEAD has none', "method: 'whitehead' has none"],
+    ['Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS', "Use the loops 'cut' or 'pants'"],
+    ['use HMF_LOOPS_CUT or HMF_LOOPS_PANTS', "use the loops 'cut' or 'pants'"],
+    ['report->class_state', 'report.classState'],
+    ['Build each component of hmf_components on its own', 'Use solveComponents'],
+    ['Use hmf_loops, or another mesh', 'Use other loops, or another mesh'],
+    ['; hmf_singularities lists them', '; foliation.singularities() lists them'],
+    ['Start from hmf_initialize or a result of hmf_solve', 'Start from hierarchy.initialize() or a result of solve()'],
+    ['; hmf_memory_estimate gives a sufficient value', '; memoryEstimate() gives a sufficient value'],
+    ['with hmf_interpolate', 'with foliation.interpolate()'],
+    ['with hmf_relax', 'with foliation.relax()'],
+    ['Give one of them, the other NULL', 'Give one of them'],
+    ['optimisation', 'optimization'],
+];
+const foreign = /hmf_|HMF_|NULL|struct_size|sizeof|->|position_stride|element_kind|_count\b/;
+
+/** A sentence of the library in the words of this package; '' where it has none. */
+export function inWords(message) {
+    for (const [library, own] of words) message = message.replaceAll(library, own);
+    return message.split(/(?<=\.)\s+/).filter(part => part && !foreign.test(part)).join(' ')
+        .replace(/\b[a-z]+(?:_[a-z]+)+\b/g, name => name.replace(/_(.)/g, (_, letter) => letter.toUpperCase()));
+}
+
 export class HmfError extends Error {
     constructor(status, text, element, index, advice) {
         super(advice ? `${text}: ${advice}` : text);

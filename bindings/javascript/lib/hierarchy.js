@@ -10,6 +10,8 @@ import { SOLVE_OPTIONS, writeOptions } from './solve.js';
 export const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_build_options'), 'markedVertices', 'progress'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
+const pickOf = (object, names) => Object.fromEntries(Object.entries(object).filter(([name]) => names.includes(name)));
+
 /** A hierarchy and its foliations in the memory of the module. */
 class Held {
     foliations = new Set();
@@ -101,12 +103,17 @@ export class Hierarchy {
     #held;
     #busy = false;
     #levels;
+    #marks;
 
     constructor(module, positions, triangles, options) {
         this.#held = new Held(module, 0);
         forgotten.register(this, { held: this.#held }, this);
         try {
-            withMesh(module, positions, triangles, options, (frame, ...mesh) => {
+            const { markedVertices, ...others } = optionsOf(options, 'options', BUILD_OPTIONS);
+            if (typeof markedVertices === 'string' && markedVertices !== 'suggest')
+                throw new TypeError(`markedVertices is '${markedVertices}'; give 'suggest', or vertices.`);
+            const suggested = () => suggestMarks(module, positions, triangles, pickOf(others, ['mollify', 'memoryLimit']));
+            const build = marks => withMesh(module, positions, triangles, { ...others, markedVertices: marks }, (frame, ...mesh) => {
                 const { address } = frame.make('hmf_build', ...mesh);
                 this.#held.address = address;
                 const count = module.invoke('hmf_level_count', address);
@@ -115,13 +122,28 @@ export class Hierarchy {
                     frame.call('hmf_level_counts', address, index, out);
                     return new Level(this, index, frame.plain('hmf_level_info', out));
                 }));
+                this.#marks = Uint32Array.from(marks ?? []);
             });
+            try {
+                build(markedVertices === 'suggest' ? suggested() : markedVertices);
+            } catch (error) {
+                // A sphere or disk needs marked vertices: those of the library, unless it was told others.
+                if (markedVertices !== undefined || error?.statusName !== 'HMF_ERROR_MESH_GENUS') throw error;
+                const marks = suggested();
+                if (marks.length === 0) throw error;
+                build(marks);
+            }
             Object.defineProperty(this, 'boundaryCount', { value: module.invoke('hmf_boundary_count', this.#held.address), enumerable: true });
             Object.defineProperty(this, 'genus', { value: module.invoke('hmf_genus', this.#held.address), enumerable: true });
         } catch (error) {
             this.dispose();
             throw error;
         }
+    }
+
+    /** The marked vertices that were given or suggested. */
+    get markedVertices() {
+        return this.#marks.slice();
     }
 
     get levels() {
@@ -187,7 +209,7 @@ export class Hierarchy {
     }
 
     loops(options) {
-        const given = optionsOf(options, 'options', ['kind', 'level', 'progress']), { kind = 'cut', level = this.#levels.length - 1 } = given;
+        const given = optionsOf(options, 'options', ['kind', 'level', 'progress']), { kind = 'cut', level = 0 } = given;
         this.levelIndex(level);
         return this.perform(given, (frame, address) => makeLoops(frame, address, level, kind));
     }
@@ -204,8 +226,13 @@ export class Hierarchy {
         const given = optionsOf(options, 'options', [...SOLVE_OPTIONS, 'loops', 'start']), { start } = given;
         const level = this.levelIndex(given.stopLevel ?? 0, 'stopLevel');
         if (start !== undefined && !(start instanceof Foliation)) throw new TypeError(`start is ${described(start)}; give a Foliation.`);
+        // Those of the library: on the coarsest level, where they are found fastest.
+        const fine = this.boundaryCount > 0 || given.method === 'single-level';
+        const named = typeof given.loops !== 'string' ? given.loops
+            : given.loops === 'even' ? this.#evenLoops()
+            : this.loops({ kind: given.loops, level: fine ? 0 : this.#levels.length - 1 });
         const solve = address => this.#foliation(given, (frame, hierarchy) => {
-            const loops = writeLoops(frame, given.loops), settings = writeOptions(frame, given, { stop_level: level, start: address });
+            const loops = writeLoops(frame, named), settings = writeOptions(frame, given, { stop_level: level, start: address });
             if (loops === 0 && address === 0) return frame.make('hmf_solve_cut_system', hierarchy, settings);
             return frame.make('hmf_solve', hierarchy, loops, settings);
         });
@@ -216,6 +243,12 @@ export class Hierarchy {
             if (frame.module !== this.#held.module) throw new TypeError('start is of another load(). Give a Foliation of the same one.');
             return solve(address);
         });
+    }
+
+    /** Loops and weights of the even design with these marked vertices. */
+    #evenLoops() {
+        const mesh = this.#levels[0], marks = this.#marks;
+        return evenDesign(this.#held.module, mesh.positions(), mesh.triangleVertices(), { ...(marks.length ? { markedVertices: marks } : {}), noPoles: true }).loops;
     }
 
     foliation(values, options) {

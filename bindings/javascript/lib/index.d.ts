@@ -100,10 +100,11 @@ export interface BuildOptions extends ProgressOptions, BuildNumbers {
     /** Which edges are collapsed, and to which point; default "midpoint". */
     collapse?: "default" | "midpoint" | "endpoint" | "qslim";
     /**
-     * Vertices that may carry a pole; a sphere needs four or more (see
-     * `suggestMarks`).  They never move and are no poles of the report.
+     * Vertices that may carry a pole; a sphere needs four or more.  They never move
+     * and are no poles of the report.  Default, for spheres and disks, and "suggest":
+     * those of `suggestMarks`; `[]`: none.
      */
-    markedVertices?: Numbers;
+    markedVertices?: Numbers | "suggest";
 }
 
 /** One component of a mesh, with numbers of its own. */
@@ -194,6 +195,7 @@ export interface Hierarchy extends Disposable {
 
 export interface LoopsOptions extends ProgressOptions {
     kind?: LoopsKind;
+    /** Default 0, the mesh of the caller; on the coarsest they are found fastest. */
     level?: number;
 }
 
@@ -249,8 +251,11 @@ export interface OptimizeOptions extends ProgressOptions, Omit<SolveNumbers, "st
 }
 
 export interface SolveOptions extends OptimizeOptions, Pick<SolveNumbers, "stopLevel"> {
-    /** Default: `hierarchy.loops()`. */
-    loops?: LoopSet;
+    /**
+     * Loops, or a kind of them; "even": those of `evenDesign` for the marked vertices
+     * of the hierarchy, with their weights.  Default "cut".
+     */
+    loops?: LoopSet | LoopsKind | "even";
     /**
      * A foliation to start from, whose class is then that of the result, instead
      * of loops: of this hierarchy, or on level 0 of one with the same triangles

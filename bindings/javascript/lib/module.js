@@ -1,7 +1,7 @@
 // A loaded WebAssembly module: where its bytes come from, what it imports, and
 // how its functions are called.
 import { readText } from './memory.js';
-import { HmfError } from './error.js';
+import { HmfError, inWords } from './error.js';
 import { callback } from './arguments.js';
 import { constants } from '../dist/layout.js';
 
@@ -158,7 +158,7 @@ export class Module {
     }
 
     error(status, element, index, advice) {
-        return new HmfError(status, this.statusText(status), element, index, advice);
+        return new HmfError(status, this.statusText(status), element, index, inWords(advice));
     }
 
     outOfMemory(size) {

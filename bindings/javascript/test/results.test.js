@@ -234,7 +234,7 @@ test('several components in one call', () => {
         component.wholeVertices.forEach((v, own) => assert.deepEqual([divided.vertexComponent[v], divided.vertexPart[v]], [k, own]));
         component.wholeTriangles.forEach((t, own) => assert.deepEqual([divided.triangleComponent[t], divided.trianglePart[t]], [k, own]));
     });
-    const { values, components } = hmf.solveComponents(positions, triangles, { progress: fraction => { fractions.push(fraction); } });
+    const { values, components } = hmf.solveComponents(positions, triangles, { markedVertices: [], progress: fraction => { fractions.push(fraction); } });
     assert.ok(fractions.every((x, i) => i === 0 || x >= fractions[i - 1]) && fractions.at(-1) > 0.99);
     assert.deepEqual([components[1].report, components[1].statusName], [null, 'HMF_ERROR_MESH_GENUS']);
     assert.ok(components[1].message.length > 10 && components[1].wholeEdges.every(e => values[e] === 0));
@@ -250,7 +250,7 @@ test('several components in one call', () => {
     assert.ok(hmf.solveComponents(positions, triangles, { markedVertices }).components.every(({ status }) => status === 0));
 
     const loop = Array.from({ length: 10 }, (_, i) => divided.components[2].wholeVertices[9 * i]);
-    const own = hmf.solveComponents(positions, triangles, { loops: { elementKind: 'vertices', loops: [loop], weights: [2] } });
+    const own = hmf.solveComponents(positions, triangles, { markedVertices: [], loops: { elementKind: 'vertices', loops: [loop], weights: [2] } });
     assert.deepEqual(own.components.map(({ statusName }) => statusName), ['HMF_ERROR_LOOP_COUNT', 'HMF_ERROR_MESH_GENUS', 'HMF_OK']);
     assert.throws(() => hmf.solveComponents(positions, triangles, { loops: { elementKind: 'vertices', loops: [[0, loop[0]]] } }), /does not lie on one component/);
     assert.throws(() => hmf.solveComponents(positions, triangles, { ratio: 3 }), ({ statusName }) => statusName === 'HMF_ERROR_OPTIONS');
@@ -284,7 +284,7 @@ test('limits are results, not exceptions', () => {
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
     const { report, values } = hierarchy.solve({ method: 'whitehead', iterationLimit: 1, tolerance: 1e-15 });
     assert.equal(report.status, 'HMF_LIMIT_ITERATIONS');
-    assert.match(report.stopped.advice, /iteration_limit/);
+    assert.match(report.stopped.advice, /Raise iterationLimit/);
     assert.equal(report.converged, false);
     assert.ok(report.history.length > 2);
     assert.equal(brokenTriangles(values, hierarchy.levels[0].triangleEdges()), 0);
@@ -359,4 +359,13 @@ test('version, status texts, memory estimate', () => {
     hierarchy.dispose();
     assert.equal(hmf.memoryEstimate(0, 0), 0);
     assert.equal(hmf.memoryEstimate(2 ** 40, 2 ** 41), 0);
+});
+
+test('loops by kind, and marked vertices by default', () => {
+    const { positions, triangles } = pretzel(2, 6), hierarchy = new hmf.Hierarchy(positions, triangles);
+    for (const loops of ['cut', 'handle', 'tunnel', 'pants', 'even']) assert.ok(hierarchy.solve({ loops }).report.converged, loops);
+    assert.throws(() => hierarchy.solve({ loops: 'trousers' }), /'cut'/);
+    assert.throws(() => hierarchy.solve({ tolerance: 0 }), /tolerance: 0 is not in \(0, 1\)/);
+    assert.equal(hierarchy.solve({ timeLimit: 0 }).report.status, 'HMF_LIMIT_TIME');
+    hierarchy.dispose();
 });
