@@ -521,26 +521,28 @@ typedef struct hmf_quad_mesh {
  *
  * With a count the edge length is searched for, then rows are added or taken
  * away; the number of quads is as near as the grids allow, and at least what each
- * cylinder needs.  relax evens out angles and sides (about 40 steps do): the sides
- * lie on leaves no longer, but vertices stay on the surface; where a row or column
- * runs along edges sharper than 40 degrees, its vertices move onto them and slide
- * along them from then on, the vertex nearest to a corner of such edges goes there,
- * and where the surface sticks out of the quads by half a side or more, a vertex
- * reaches for its tip.  Only where quads would stay inverted do vertices inside leave the
- * surface.
+ * cylinder needs.  relax evens out angles and sides, in at most so many sweeps at a
+ * time (about 40 do): the sides lie on leaves no longer, but vertices stay on the
+ * surface; where a row or column runs along edges sharper than 40 degrees, its
+ * vertices move onto them and slide along them from then on, the vertex nearest to a
+ * corner of such edges goes there, and where the surface sticks out of the quads by
+ * half a side or more, a vertex reaches for its tip.  No step turns a corner over that
+ * is not.  Where quads are inverted all the same, the best of several results is
+ * returned, unrelaxed as the last resort; inverted_count counts what is left.
  *
  * With boundary (level 0): the boundary of the quads lies on that of the surface,
- * row by row where leaves run along it, and where they meet it column by column;
- * its vertices stay when others are relaxed, but before that where a side cuts off a
- * corner of the boundary by a fifth of its length, its nearer end goes there.  A marked
+ * row by row where leaves run along it, and where they meet it column by column.
+ * With relax a vertex goes to each corner of the boundary of more than 45 degrees, one
+ * with a single quad if it is near, and the others slide along the boundary.  A marked
  * vertex of the boundary with one prong is a corner, and zeros of the boundary are
  * vertices of it: a rectangle becomes a grid.  Closed otherwise.  Triangles at the boundary that no leaf crosses
  * (all of their corners on it, as a rule) may be left out.
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
  * crosses, or if no numbers of columns match on all cylinders, for edges so long or
- * on a mesh so coarse; HMF_ERROR_OPTIONS if there
- * would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
+ * on a mesh so coarse, or if with relax more than one quad in 100 stays inverted, or
+ * the quads have less than 3/4 or more than 4/3 of the area of the surface;
+ * HMF_ERROR_OPTIONS if there would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,
                              const hmf_control *control, hmf_quad_mesh **out, hmf_error *error);

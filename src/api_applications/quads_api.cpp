@@ -1,5 +1,5 @@
 // uses.h: quads.
-#include "../quads/relax_quads.hpp"
+#include "../quads/fit_quads.hpp"
 #include "../quads/sized_quads.hpp"
 #include "../api/result.hpp"
 #include "use_entry.hpp"

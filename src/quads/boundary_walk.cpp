@@ -41,4 +41,11 @@ uint32_t walk_along_rim(const Mesh& mesh, const double* position, uint32_t h, co
     return is_on_rim(mesh, found) ? found : twin(found);
 }
 
+uint32_t slide_along_rim(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
+                         double* reached) {
+    const uint32_t found =
+        slide_along_line(mesh, position, h, p, length, reached, [&](uint32_t g) { return other_on_rim(mesh, g); });
+    return is_on_rim(mesh, found) ? found : twin(found);
+}
+
 } // namespace hmf

@@ -1,7 +1,7 @@
 // The boundary of a surface, and the way along it.  Triangles with the number NONE are no part of the surface.
 #pragma once
 
-#include "../mesh/mesh.hpp"
+#include "quad_shape.hpp"
 
 namespace hmf {
 
@@ -17,5 +17,10 @@ uint32_t next_on_rim(const Mesh& mesh, uint32_t h);
 // The point nearest to p on the boundary, searched from the edge of h on as long as the next one is nearer.
 // Returns the half-edge found, the surface on its left.
 uint32_t walk_along_rim(const Mesh& mesh, const double* position, uint32_t h, const double* p, double* nearest);
+
+// From p on the edge of h, one of the boundary, along it by a length, backwards if that is negative.  Returns the
+// half-edge reached, the surface on its left.
+uint32_t slide_along_rim(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
+                         double* reached);
 
 } // namespace hmf

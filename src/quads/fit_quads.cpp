@@ -1,17 +1,12 @@
-// In turns: vertices reach for tips, where they are held, or snap to sharp edges, along which they
-// slide from then on, and the others are relaxed round them.  A vertex leaves its sharp edge again where
-// that costs a corner too much.  Where a quad stays inverted all is done again without sharp edges, then
-// also without a look at the side that quads look to, and the best kept; in the end vertices may leave the surface.
 #include "fit_quads.hpp"
 
-#include "boundary_corners.hpp"
+#include "boundary_places.hpp"
+#include "optimize_quads.hpp"
 #include "quad_figures.hpp"
 #include "quad_shape.hpp"
 #include "reach_tips.hpp"
-#include "relax_quads.hpp"
+#include "refine_quads.hpp"
 #include "snap_quads.hpp"
-#include "square_corners.hpp"
-#include "unfold_quads.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -20,122 +15,94 @@ namespace hmf {
 
 namespace {
 
-constexpr int ROUNDS = 5;                                 // of reaching and snapping
-constexpr double TOO_FLAT = 0.3;                          // sine of a corner of a quad on a sharp edge
-constexpr int STEPS_ON_FINER = 4, STEPS_AFTER_TURNS = 20; // of relaxation
-constexpr int SWEEPS = 8, SWEEPS_ON_FINER = 4;            // to make corners square
-constexpr double SQUARE_ON_FINER = 0.25;                  // cosine: quads so good stay as they are when they are cut
+constexpr int ROUNDS = 5; // of reaching for tips and snapping to sharp edges
+constexpr int SWEEPS_AFTER = 8, SWEEPS_ON_FINER = 4;
+// While one corner in so many is off 90 degrees by more than 18, what is held on sharp edges by quads with a corner of
+// a sine below these is let go, and tips where it is less by so much.
+constexpr size_t SHARE = 20;
+constexpr double ENOUGH = 0.309, FIRST = 0.4, LAST = 0.61, TIPS = 0.1;
 
-template <class T>
-Done copy(const Array<T>& from, Array<T>& to, Memory& memory) {
-    if (!to.allocate(memory, from.size())) return false;
-    for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
-    return true;
+// Whether more corners than one in so many are farther off 90 degrees than is enough.
+bool is_off(const QuadMesh& quads) {
+    size_t off = 0;
+    for (size_t i = 0; i < quads.quads.size(); ++i) {
+        const uint32_t* const c = &quads.quads[i / 4 * 4];
+        const Point p = at(quads, c[i % 4]), e = at(quads, c[(i + 1) % 4]) - p, b = at(quads, c[(i + 3) % 4]) - p;
+        const double cosine = dot(e, b);
+        off += cosine * cosine > ENOUGH * ENOUGH * dot(e, e) * dot(b, b);
+    }
+    return off * SHARE > quads.quads.size();
 }
 
-// Where a corner on one is too flat or too sharp; whether there was one.
-bool leave_sharp_edges(QuadMesh& quads) {
-    bool any = false;
+// Vertices of quads with a smaller sine than this leave what holds them.
+void give_up(QuadMesh& quads, double sine) {
     for (size_t q = 0; q < quads.quad_count(); ++q) {
-        if (!(worst_corner(quads, q) < TOO_FLAT)) continue;
-        for (size_t k = 0; k < 4; ++k) {
+        const double worst = worst_corner(quads, q);
+        for (size_t k = 0; k < 4 && worst < sine; ++k) {
             uint8_t& held = quads.held[quads.quads[4 * q + k]];
-            any |= held == ON_CREASE;
-            if (held == ON_CREASE) held = 0;
+            if (held == ON_CREASE || ((is_for_tip(held) || held == AT_SHARP_CORNER) && worst < sine - TIPS)) held = 0;
         }
     }
-    return any;
 }
 
 struct Attempt {
-    bool to_sharp_edges, outwards; // outwards: quads that look inwards are to turn, not only those that are inverted
+    bool reaches, lets_go; // for tips and sharp edges; what is held around inverted quads at the end
 };
-// Where the surface is finer than the quads, which side they should look to is not always known.
-constexpr Attempt ATTEMPTS[] = {{true, false}, {true, true}, {false, true}, {false, false}};
+constexpr Attempt ATTEMPTS[] = {{true, false}, {false, false}, {true, true}};
 
-// What stays inverted is turned as it lies, to whatever side it looks.
-hmf_status untangle(const Mesh& mesh, const double* position, int steps, int after, bool outwards, QuadMesh& quads,
-                    uint64_t& inverted, Call& call) {
-    Unfolded unfolded;
-    const auto unfold = [&] { return unfold_quads(mesh, position, Unfold::on_surface, quads, unfolded, call); };
-    if (relax_quads(mesh, position, steps, Untangle::all, outwards, quads, call) || unfold()) return call.status();
-    // What was turned is even in size, and angles are not the best yet.  after: steps, none on finer quads.
-    if (unfolded.better && after > 0
-        && (relax_quads(mesh, position, after, Untangle::some, outwards, quads, call) || unfold()))
-        return call.status();
-    inverted = unfolded.inverted;
-    if (inverted == 0 || !outwards) return HMF_OK;
-    if (relax_quads(mesh, position, 0, Untangle::all, false, quads, call)) return call.status();
-    return count_inverted(mesh, position, quads, inverted, call) ? HMF_OK : call.stopped();
-}
-
-// Is given up before the finest quads where some stay inverted.
-hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
+hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int sweeps, int halvings,
                const Attempt& as, QuadMesh& quads, uint64_t& inverted, Call& call) {
-    if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
-    for (int round = 0; round < ROUNDS; ++round) {
-        size_t reached = 0, snapped = 0, corners = 0;
-        if ((front && take_boundary_corners(mesh, position, quads, corners, call))
-            || reach_tips(mesh, position, front, quads, reached, call)
-            || (as.to_sharp_edges && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
-            return call.status();
-        if (reached + snapped + corners == 0) break;
-        if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
-    }
-    const int again = leave_sharp_edges(quads) ? steps : 0;
-    if (untangle(mesh, position, again, std::min(steps, STEPS_AFTER_TURNS), as.outwards, quads, inverted, call))
-        return call.status();
-    // What was turned out may have left its sharp edge without need.
-    size_t snapped = 0;
-    if ((as.to_sharp_edges && steps > 0 && snap_to_sharp_edges(mesh, position, front, quads, snapped, call))
-        || square_corners(mesh, position, std::min(steps, SWEEPS), 0, quads, call))
-        return call.status();
-    for (; halvings > 0; --halvings) {
-        if (refine_quads(mesh, position, quads, call)
-            || untangle(mesh, position, std::min(steps, STEPS_ON_FINER), 0, as.outwards, quads, inverted, call)
-            || square_corners(mesh, position, std::min(steps, SWEEPS_ON_FINER), SQUARE_ON_FINER, quads, call))
-            return call.status();
-        if (as.to_sharp_edges && inverted > 0) return HMF_OK;
-    }
-    return HMF_OK;
-}
-
-Done copy(const QuadMesh& from, QuadMesh& to, Memory& memory) {
-    return copy(from.positions, to.positions, memory) && copy(from.quads, to.quads, memory)
-        && copy(from.sides, to.sides, memory) && copy(from.held, to.held, memory);
-}
-
-// One attempt after the other, until no quad is inverted: the first one with all quads and the fewest inverted.
-// Where some stay so on the surface, vertices round them leave it.
-hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-                      QuadMesh& quads, uint64_t& inverted, Call& call) {
-    QuadMesh start, now;
-    inverted = UINT64_MAX;
-    if (!copy(quads, start, call.memory)) return call.out_of_memory();
-    for (const Attempt& as : ATTEMPTS) {
-        uint64_t left = 0;
-        if (!copy(start, now, call.memory)) return call.out_of_memory();
-        if (fit(mesh, position, front, steps, halvings, as, now, left, call)) return call.status();
-        const bool more = now.quad_count() > quads.quad_count() || inverted == UINT64_MAX;
-        if (now.quad_count() >= quads.quad_count() && (more || left < inverted)) {
-            inverted = left;
-            std::swap(quads, now);
+    {
+        QuadOptimizer optimizer(mesh, position, quads, call);
+        if (optimizer.start() || optimizer.untangle() || optimizer.shape(sweeps)) return call.status();
+        for (int round = 0; round < ROUNDS && as.reaches; ++round) {
+            size_t reached = 0, snapped = 0;
+            if (reach_tips(mesh, position, front, quads, reached, call)
+                || snap_to_sharp_edges(mesh, position, front, quads, snapped, call))
+                return call.status();
+            if (reached + snapped == 0) break;
+            optimizer.look_again();
+            if (optimizer.shape(sweeps)) return call.status();
         }
-        if (inverted == 0 && quads.quad_count() == start.quad_count() << 2 * halvings) break;
+        for (double sine = FIRST; sine < LAST && is_off(quads); sine += 0.1) {
+            give_up(quads, sine);
+            optimizer.look_again();
+            if (optimizer.shape(std::min(sweeps, SWEEPS_AFTER))) return call.status();
+        }
+        if (as.lets_go && optimizer.untangle()) return call.status();
     }
-    if (inverted == 0 || steps == 0) return HMF_OK;
-    Unfolded unfolded;
-    if (unfold_quads(mesh, position, Unfold::off_surface, quads, unfolded, call)) return call.status();
+    for (; halvings > 0; --halvings) {
+        if (refine_quads(mesh, position, quads, call)) return call.status();
+        QuadOptimizer optimizer(mesh, position, quads, call);
+        if (optimizer.start() || optimizer.untangle() || optimizer.shape(std::min(sweeps, SWEEPS_ON_FINER))
+            || (as.lets_go && optimizer.untangle()))
+            return call.status();
+    }
     return count_inverted(mesh, position, quads, inverted, call) ? HMF_OK : call.stopped();
 }
 
 } // namespace
 
-hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
+// One attempt after the other, until no quad is inverted, and the best of them and of what it began with.
+hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int sweeps, int halvings,
                      QuadMesh& quads, uint64_t& inverted, Call& call) {
-    size_t corners = 0;
-    if (front && steps > 0 && take_boundary_corners(mesh, position, quads, corners, call)) return call.status();
-    return fit_better(mesh, position, front, steps, halvings, quads, inverted, call);
+    if (front && place_on_boundary(mesh, position, quads, call)) return call.status();
+    QuadMesh start, now;
+    if (!start.copy(quads, call.memory)) return call.out_of_memory();
+    if (!count_inverted(mesh, position, quads, inverted, call)) return call.stopped();
+    bool is_first = true;
+    for (const Attempt& as : ATTEMPTS) {
+        uint64_t left = 0;
+        if (!now.copy(start, call.memory)) return call.out_of_memory();
+        if (fit(mesh, position, front, sweeps, halvings, as, now, left, call)) return call.status();
+        if (left < inverted || (is_first && left <= inverted)) {
+            inverted = left;
+            std::swap(quads, now);
+        }
+        is_first = false;
+        if (inverted == 0) break;
+    }
+    return HMF_OK;
 }
 
 } // namespace hmf

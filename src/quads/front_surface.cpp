@@ -1,9 +1,16 @@
 #include "front_surface.hpp"
 
 #include "boundary_walk.hpp"
+#include "line_walk.hpp"
 #include "quad_shape.hpp"
 
 namespace hmf {
+
+namespace {
+
+constexpr double NEAR = 1e-6; // of an edge on which a point is said to lie
+
+}
 
 Done FrontSurface::build(const Mesh& whole, const Reflection& reflection, Memory& memory) {
     const size_t sides = size_t{2} * whole.edge_count;
@@ -21,10 +28,30 @@ void FrontSurface::bring_forward(const double* position, QuadMesh& quads) const 
     for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
         if (!is_at_boundary(quads.held[v])) continue;
         const double* const p = &quads.positions[size_t{3} * v];
-        const uint32_t rim = rim_near(mesh_, position, quads.sides[v], p);
+        const uint32_t rim = rim_at(position, quads.sides[v], p);
         if (rim != NONE) quads.sides[v] = rim;
         if (rim == NONE || is_marked(position, rim, p)) quads.held[v] = AT_CORNER;
     }
+}
+
+// The edge of the boundary on which p lies: the one that it is said to lie on or one beside that, for two edges may lie
+// at the same place; else the nearest one at the triangle.
+uint32_t FrontSurface::rim_at(const double* position, uint32_t side, const double* p) const {
+    const uint32_t said = is_on_rim(mesh_, side) ? side : NONE;
+    if (said != NONE) {
+        double nearest[3], t = 0;
+        uint32_t best = said;
+        double least = nearest_on_edge(mesh_, position, said, p, nearest, t);
+        for (const uint32_t h : {next_on_rim(mesh_, said), twin(next_on_rim(mesh_, twin(said)))}) {
+            const double square = nearest_on_edge(mesh_, position, h, p, nearest, t);
+            if (!(square < least)) continue;
+            least = square;
+            best = h;
+        }
+        const Point edge = point(position, mesh_.target(best)) - point(position, mesh_.origin[best]);
+        if (!(least > NEAR * NEAR * dot(edge, edge))) return best;
+    }
+    return rim_near(mesh_, position, side, p);
 }
 
 // Whether p is a marked vertex at an end of the boundary edge.

@@ -18,6 +18,7 @@ public:
     void bring_forward(const double* position, QuadMesh& quads) const;
 
 private:
+    uint32_t rim_at(const double* position, uint32_t side, const double* p) const;
     bool is_marked(const double* position, uint32_t rim, const double* p) const;
 
     const Reflection* reflection_ = nullptr;

@@ -2,6 +2,9 @@
 #pragma once
 
 #include "../mesh/mesh.hpp"
+#include "quad_shape.hpp"
+
+#include <cmath>
 
 namespace hmf {
 
@@ -42,6 +45,36 @@ uint32_t walk_along_line(const Mesh& mesh, const double* position, uint32_t h, c
         h = other;
         for (int k = 0; k < 3; ++k) nearest[k] = point[k];
     }
+    return h;
+}
+
+// From p, a point of the edge of h, along its line by a length, in the direction of h if that is positive, as far as
+// the line goes.  Returns a half-edge of the edge reached.
+template <class Next>
+uint32_t slide_along_line(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
+                          double* reached, const Next& next) {
+    constexpr int MOST_EDGES = 4096;
+    Point here = p;
+    if (length < 0) {
+        h = twin(h);
+        length = -length;
+    }
+    for (int k = 0; k < MOST_EDGES; ++k) {
+        const Point end = point(position, mesh.target(h)), way = end - here;
+        const double left = std::sqrt(dot(way, way));
+        if (length < left) {
+            here = here + (length / left) * way;
+            break;
+        }
+        here = end;
+        length -= left;
+        const uint32_t other = length > 0 ? next(h) : NONE;
+        if (other == NONE) break;
+        h = other;
+    }
+    reached[0] = here.x;
+    reached[1] = here.y;
+    reached[2] = here.z;
     return h;
 }
 

@@ -15,6 +15,13 @@ inline bool is_at_boundary(uint8_t held) { return held == AT_BOUNDARY || held ==
 inline bool is_for_tip(uint8_t held) { return held == AT_TIP || held == ON_WAY_TO_TIP; }
 inline bool can_slide(uint8_t held) { return held == AT_BOUNDARY || held == ON_CREASE; }
 
+template <class T>
+Done copy_array(const Array<T>& from, Array<T>& to, Memory& memory) {
+    if (!to.allocate(memory, from.size())) return false;
+    for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
+    return true;
+}
+
 struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
     Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
@@ -42,6 +49,10 @@ struct QuadMesh {
     Done add_quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
         return quads.push(a) && quads.push(b) && quads.push(c) && quads.push(d);
     }
+    Done copy(const QuadMesh& from, Memory& memory) {
+        return copy_array(from.positions, positions, memory) && copy_array(from.quads, quads, memory)
+            && copy_array(from.sides, sides, memory) && copy_array(from.held, held, memory);
+    }
     uint32_t vertex_count() const { return static_cast<uint32_t>(sides.size()); }
     size_t quad_count() const { return quads.size() / 4; }
     void put(uint32_t v, const double* place, uint32_t side) {
@@ -57,12 +68,8 @@ struct QuadPlaces {
     Array<uint8_t> held;
 
     Done keep(const QuadMesh& quads, Memory& memory) {
-        const auto copy = [&](const auto& from, auto& to) {
-            if (!to.allocate(memory, from.size())) return false;
-            for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
-            return true;
-        };
-        return copy(quads.positions, positions) && copy(quads.sides, sides) && copy(quads.held, held);
+        return copy_array(quads.positions, positions, memory) && copy_array(quads.sides, sides, memory)
+            && copy_array(quads.held, held, memory);
     }
     void give_back(QuadMesh& quads) {
         quads.positions.swap(positions);

@@ -27,7 +27,7 @@ namespace {
 // normals where its corners lie, and where the surface is nearest to its middle, the latter.
 Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner,
            const Point& normal) {
-    constexpr double CLEARLY = 0.5; // of the sum of four
+    constexpr double CLEARLY = 2.8; // of the sum of four
     Point middle;
     if (dot(normal, outwards_at(mesh, position, quads, corner)) > CLEARLY) return normal;
     for (size_t k = 0; k < 4; ++k) middle = middle + 0.25 * at(quads, corner[k]);
@@ -109,6 +109,13 @@ Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
         next[v] = first_[v];
     }
     for (uint32_t i = 0; i < quads.quads.size(); ++i) quads_[next[quads.quads[i]]++] = i / 4;
+    return true;
+}
+
+bool QuadStars::is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const {
+    for (const uint32_t* q = begin(a); q != end(a); ++q)
+        for (size_t k = 0; k < 4; ++k)
+            if (quads.quads[4 * size_t{*q} + k] == b && quads.quads[4 * size_t{*q} + (k + 1) % 4] == a) return false;
     return true;
 }
 

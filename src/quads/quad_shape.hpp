@@ -40,6 +40,9 @@ public:
     const uint32_t* begin(uint32_t v) const { return quads_.data() + first_[v]; }
     const uint32_t* end(uint32_t v) const { return quads_.data() + first_[size_t{v} + 1]; }
 
+    // Whether only one quad has the side from a to b.
+    bool is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const;
+
     // The least of the quads round v, from outside.
     double worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const;
 

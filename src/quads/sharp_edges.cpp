@@ -58,4 +58,10 @@ uint32_t walk_along_sharp_edges(const Mesh& mesh, const double* position, uint32
                            [&](uint32_t g) { return next_sharp_edge(mesh, position, g); });
 }
 
+uint32_t slide_along_sharp_edges(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
+                                 double* reached) {
+    return slide_along_line(mesh, position, h, p, length, reached,
+                            [&](uint32_t g) { return next_sharp_edge(mesh, position, g); });
+}
+
 } // namespace hmf

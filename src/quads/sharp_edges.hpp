@@ -1,7 +1,7 @@
 // Edges along which a surface is folded, and the way along them.
 #pragma once
 
-#include "../mesh/mesh.hpp"
+#include "quad_shape.hpp"
 
 namespace hmf {
 
@@ -21,5 +21,10 @@ bool is_sharp_corner(const Mesh& mesh, const double* position, uint32_t v);
 //
 // Returns a half-edge of the edge found.
 uint32_t walk_along_sharp_edges(const Mesh& mesh, const double* position, uint32_t h, const double* p, double* nearest);
+
+// From p on the sharp edge of h along its line by a length, backwards if that is negative, to a corner at most.
+// Returns a half-edge of the edge reached.
+uint32_t slide_along_sharp_edges(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
+                                 double* reached);
 
 } // namespace hmf

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double FEWEST_TO_REFINE = 8000; // quads
 constexpr int MOST_HALVINGS = 12;         // of the edges
+constexpr double MOST_INVERTED = 0.01;    // of the quads
+constexpr double LEAST_AREA = 0.75;       // of the quads in that of the surface, or the other way around
 
 // How many quads the wish makes of that area.
 hmf_status wished_number(const SizedQuads& wish, double area, double by_default, double& number, Call& call) {
@@ -40,6 +42,22 @@ hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& c
     if (!(wish.relax > 0)) return HMF_OK;
     return fit_quads(front ? front->mesh() : f.mesh, position, front ? wish.reflection : nullptr, wish.relax, halvings,
                      out, inverted, call);
+}
+
+// Where quads are larger than what they should follow, or the leaves do not reach a part of the surface.
+hmf_status refuse_unfit(const QuadFigures& figures, double area, size_t count, Call& call) {
+    if (static_cast<double>(figures.inverted) > MOST_INVERTED * static_cast<double>(count))
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                         "%llu of %llu quads are folded over on the surface. Wish for more and smaller quads, or give "
+                         "other loops.",
+                         static_cast<unsigned long long>(figures.inverted), static_cast<unsigned long long>(count));
+    const double ratio = figures.area / area;
+    if (ratio > LEAST_AREA && ratio * LEAST_AREA < 1) return HMF_OK;
+    return call.fail(
+        HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+        "The quads have %.2f times the area of the surface. Wish for more and smaller quads, or give other "
+        "loops.",
+        ratio);
 }
 
 } // namespace
@@ -76,8 +94,9 @@ hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinder
         inverted = left;
         std::swap(out, other);
     }
-    return quad_figures(front ? surface.mesh() : f.mesh, position, front ? wish.reflection : nullptr, out, figures,
-                        call);
+    if (quad_figures(front ? surface.mesh() : f.mesh, position, front ? wish.reflection : nullptr, out, figures, call))
+        return call.status();
+    return wish.relax > 0 ? refuse_unfit(figures, area, out.quad_count(), call) : HMF_OK;
 }
 
 } // namespace hmf

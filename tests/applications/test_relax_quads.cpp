@@ -5,18 +5,19 @@
 //     x--x-----x--x      on the edge: they slide along it until they are even
 //     |   |   |   |
 //     o---o---o---o      on the side, held
+#include "src/quads/boundary_places.hpp"
 #include "src/quads/boundary_walk.hpp"
+#include "src/quads/corner_energy.hpp"
 #include "src/quads/fit_quads.hpp"
 #include "src/quads/line_walk.hpp"
+#include "src/quads/optimize_quads.hpp"
 #include "src/quads/quad_figures.hpp"
 #include "src/quads/quad_mesh.hpp"
 #include "src/quads/quad_shape.hpp"
-#include "src/quads/relax_quads.hpp"
+#include "src/quads/refine_quads.hpp"
 #include "src/quads/sharp_edges.hpp"
 #include "src/quads/snap_quads.hpp"
-#include "src/quads/square_corners.hpp"
 #include "src/quads/surface_walk.hpp"
-#include "src/quads/unfold_quads.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meter.hpp"
 
@@ -33,6 +34,13 @@ namespace {
 using hmf::Mesh;
 
 constexpr uint32_t COLUMNS = 7;
+
+void optimize(const Mesh& mesh, const double* position, hmf::QuadMesh& quads, hmf::Call& call) {
+    hmf::QuadOptimizer optimizer(mesh, position, quads, call);
+    ASSERT_EQ(optimizer.start(), HMF_OK);
+    ASSERT_EQ(optimizer.untangle(), HMF_OK);
+    ASSERT_EQ(optimizer.shape(400), HMF_OK);
+}
 
 // A half-edge of a triangle, or of a sharp edge, all of whose corners have these y and z.
 uint32_t half_edge_at(const Mesh& mesh, const double* position, bool sharp, double y, double z) {
@@ -71,6 +79,10 @@ protected:
                      {(row + 1) * COLUMNS + i, (row + 1) * COLUMNS + i + 1, row * COLUMNS + i + 1, row * COLUMNS + i})
                     room = room && quads.quads.push(v);
         EXPECT_TRUE(room);
+        for (uint32_t v = COLUMNS; v < 2 * COLUMNS; ++v) {
+            const double p[3] = {quads.positions[3 * v], 0, 1};
+            quads.sides[v] = hmf::walk_along_sharp_edges(mesh, position, side[1], p, &quads.positions[size_t{3} * v]);
+        }
     }
 
     static double even(uint32_t column) { return 1 + 0.5 * column; }
@@ -86,43 +98,14 @@ protected:
 } // namespace
 
 TEST_F(OnAnEdge, VerticesSlide) {
-    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, hmf::Untangle::all, false, quads, call), HMF_OK);
+    optimize(mesh, made.positions.data(), quads, call);
     for (uint32_t i = 0; i < COLUMNS; ++i) {
         EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
-        EXPECT_NEAR(quads.positions[3 * (COLUMNS + i)], even(i), 1e-6);
+        EXPECT_NEAR(quads.positions[3 * (COLUMNS + i)], even(i), 0.03);
     }
 }
 
-// Where the quads are slanted against the edge by 45 degrees, their vertices stay on it; at 76 degrees they leave it.
-TEST_F(OnAnEdge, SlantedQuadsLeaveIt) {
-    for (const double shift : {0.5, 2.0}) {
-        for (uint32_t i = 0; i < COLUMNS; ++i) {
-            quads.positions[3 * i] = even(i) + shift;
-            quads.positions[3 * (COLUMNS + i)] = even(i);
-        }
-        uint64_t inverted = 0;
-        ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, inverted, call), HMF_OK);
-        EXPECT_EQ(std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE), shift < 1 ? COLUMNS - 2 : 0);
-    }
-}
-
-// With most corners off by 45 degrees, vertices leave the edge that keeps them so; in a row of squares they stay.
-TEST_F(OnAnEdge, SquareCornersComeFirst) {
-    for (const double shift : {0.0, 0.5}) {
-        for (uint32_t i = 0; i < COLUMNS; ++i) {
-            quads.positions[3 * i] = even(i) + shift;
-            quads.positions[3 * (COLUMNS + i)] = even(i);
-        }
-        ASSERT_EQ(hmf::square_corners(mesh, made.positions.data(), 8, 0, quads, call), HMF_OK);
-        const auto sliding = std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE);
-        if (shift > 0) EXPECT_LT(sliding, COLUMNS - 2);
-        else EXPECT_EQ(sliding, COLUMNS - 2);
-        for (uint32_t i = 0; i < COLUMNS && !(shift > 0); ++i) EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
-    }
-}
-
-// A free row goes to the edge, where the quads cover more of both faces: without that it stays where they are as high
-// as each other, .16 from it.
+// A free row goes towards the edge, where the quads cover more of both faces: without that it stays .15 from it.
 TEST_F(OnAnEdge, RowsBesideItGoThere) {
     for (uint32_t i = 0; i < COLUMNS; ++i) {
         quads.positions[3 * i + 1] = 0.7;
@@ -131,40 +114,8 @@ TEST_F(OnAnEdge, RowsBesideItGoThere) {
         quads.positions[3 * (COLUMNS + i) + 1] = 0.2;
         quads.sides[COLUMNS + i] = quads.sides[i];
     }
-    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, hmf::Untangle::all, false, quads, call), HMF_OK);
-    for (uint32_t i = 2; i + 2 < COLUMNS; ++i) EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
-}
-
-// A row between two that are held in disorder is untangled, and each vertex knows the triangle that it is on.
-TEST_F(OnAnEdge, UntangledVerticesKnowTheirTriangle) {
-    std::mt19937 random(11);
-    std::uniform_real_distribution<double> off(-0.4, 0.4);
-    const double* const position = made.positions.data();
-    std::vector<uint32_t> before(3 * COLUMNS);
-    const std::vector<uint32_t> start(quads.sides.begin(), quads.sides.end());
-    size_t elsewhere = 0;
-    for (int round = 0; round < 50; ++round) {
-        for (uint32_t v = 0; v < 3 * COLUMNS; ++v) {
-            const uint32_t row = v / COLUMNS, i = v % COLUMNS;
-            const double p[3] = {even(i) + off(random), row == 2 ? 0 : 0.5 + off(random),
-                                 row == 2 ? 0.5 + off(random) : 1};
-            quads.held[v] = row == 1 && i > 0 && i + 1 < COLUMNS ? uint8_t{0} : hmf::AT_CORNER;
-            before[v] = quads.sides[v] =
-                hmf::walk_to_nearest(mesh, position, start[row == 2 ? v : i], p, &quads.positions[size_t{3} * v]);
-        }
-        ASSERT_EQ(hmf::relax_quads(mesh, position, 0, hmf::Untangle::all, false, quads, call), HMF_OK);
-        for (uint32_t v = COLUMNS + 1; v + 1 < 2 * COLUMNS; ++v) {
-            const double* const p = &quads.positions[size_t{3} * v];
-            const uint32_t h = quads.sides[v], corner[3] = {mesh.origin[h], mesh.target(h), mesh.origin[mesh.prev(h)]};
-            elsewhere += h != before[v];
-            for (size_t k = 0; k < 3; ++k) {
-                const auto at = [&](size_t c) { return position[3 * corner[c] + k]; };
-                EXPECT_GE(p[k], std::min({at(0), at(1), at(2)}) - 1e-12) << round << ", vertex " << v;
-                EXPECT_LE(p[k], std::max({at(0), at(1), at(2)}) + 1e-12) << round << ", vertex " << v;
-            }
-        }
-    }
-    EXPECT_GT(elsewhere, 50u);
+    optimize(mesh, made.positions.data(), quads, call);
+    for (uint32_t i = 2; i + 2 < COLUMNS; ++i) { EXPECT_LT(quads.positions[3 * (COLUMNS + i) + 1], 0.14); }
 }
 
 // Two vertices of a row are within reach of a corner of the plate, the first one nearer: that one goes there.
@@ -203,50 +154,44 @@ TEST_F(OnAnEdge, FinerQuadsStay) {
     EXPECT_EQ(sliding, (COLUMNS - 2) + (COLUMNS - 3)); // where both ends slide
 }
 
-// A grid in a plane, held at its rim and displaced most in the middle: steps that go on with a part of the one before
-// get further than as many that each begin at rest.
-TEST(RelaxQuads, StepsGoOn) {
-    constexpr int N = 16, STEPS = 40;
-    test::MadeMesh made(
-        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
-    const Mesh mesh = made.mesh();
-    const double* const position = made.positions.data();
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-    hmf::Call call(memory, nullptr, nullptr, nullptr);
-    const auto off_after = [&](int calls, int steps) {
-        hmf::QuadMesh quads;
-        quads.start(memory);
-        const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
-        const double turn = 3.141592653589793 / N;
-        bool room = true;
-        for (int i = 0; i <= N; ++i)
-            for (int j = 0; j <= N; ++j) {
-                const bool rim = i == 0 || j == 0 || i == N || j == N;
-                room = room && quads.positions.push(i + 0.8 * std::sin(turn * i) * std::sin(turn * j))
-                    && quads.positions.push(j) && quads.positions.push(0) && quads.sides.push(side)
-                    && quads.held.push(rim);
-            }
-        for (uint32_t i = 0; i < N; ++i)
-            for (uint32_t j = 0; j < N; ++j)
-                for (const uint32_t v :
-                     {i * (N + 1) + j, (i + 1) * (N + 1) + j, (i + 1) * (N + 1) + j + 1, i * (N + 1) + j + 1})
-                    room = room && quads.quads.push(v);
-        EXPECT_TRUE(room);
-        for (int k = 0; k < calls; ++k)
-            EXPECT_EQ(hmf::relax_quads(mesh, position, steps, hmf::Untangle::all, false, quads, call), HMF_OK);
-        double most = 0;
-        for (uint32_t i = 0; i <= N; ++i)
-            for (uint32_t j = 0; j <= N; ++j)
-                most = std::max(most, std::fabs(quads.positions[3 * (i * (N + 1) + j)] - i));
-        return most;
-    };
-    EXPECT_GT(off_after(0, 0), 0.79);
-    EXPECT_LT(off_after(1, STEPS), off_after(STEPS, 1) / 3);
+// Slopes of the energy of a corner against differences of it, on both sides of a corner that is folded over.
+TEST(CornerEnergy, SlopesAreThoseOfTheValue) {
+    constexpr double H = 1e-6;
+    for (const double eps : {1.0, 0.1})
+        for (const double s : {0.5, 2.0})
+            for (const double a : {-1.5, -0.1, 0.3, 1.0})
+                for (const double c : {-0.7, 0.2}) {
+                    const hmf::CornerEnergy e = hmf::corner_energy(s, a, c, eps);
+                    const auto slope = [&](double ds, double da, double dc) {
+                        return (hmf::corner_value(s + H * ds, a + H * da, c + H * dc, eps)
+                                - hmf::corner_value(s - H * ds, a - H * da, c - H * dc, eps))
+                             / (2 * H);
+                    };
+                    EXPECT_DOUBLE_EQ(e.value, hmf::corner_value(s, a, c, eps));
+                    const double tolerance = 1e-5 * (1 + e.value * e.value);
+                    EXPECT_NEAR(e.by_s, slope(1, 0, 0), tolerance);
+                    EXPECT_NEAR(e.by_a + e.by_c * e.cot_a, slope(0, 1, 0), tolerance);
+                    EXPECT_NEAR(e.by_c * e.cot_c, slope(0, 0, 1), tolerance);
+                }
 }
 
-// A grid in a plane, held at its rim, in disorder inside: squares are the least, and what is held at a tip in the
-// middle comes near its place, for more corners are off than are allowed.
-TEST(SquareCorners, DisorderBecomesSquares) {
+// The least of all corners is a square of the area wished.
+TEST(CornerEnergy, ASquareIsLeast) {
+    const double least = hmf::corner_value(1, 1, 0, 0);
+    EXPECT_DOUBLE_EQ(least, 1 + hmf::SIZE);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> any(-2, 2);
+    for (int k = 0; k < 1000; ++k) {
+        const double e[2] = {any(random), any(random)}, b[2] = {any(random), any(random)};
+        const double a = e[0] * b[1] - e[1] * b[0], c = e[0] * b[0] + e[1] * b[1];
+        if (a > 0)
+            EXPECT_GE(hmf::corner_value(0.5 * (e[0] * e[0] + e[1] * e[1] + b[0] * b[0] + b[1] * b[1]), a, c, 0), least);
+    }
+}
+
+// A grid in a plane, held at its rim, in disorder inside: squares are the least.
+TEST(OptimizeQuads, DisorderBecomesSquares) {
+    constexpr uint32_t N = 10;
     test::MadeMesh made(
         test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
     const Mesh mesh = made.mesh();
@@ -254,22 +199,17 @@ TEST(SquareCorners, DisorderBecomesSquares) {
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Call call(memory, nullptr, nullptr, nullptr);
     const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
-    for (const double tip : {0.0, 0.9}) {
-        const uint32_t N = tip > 0 ? 2 : 10, MIDDLE = N / 2 * (N + 1) + N / 2;
+    for (const double most : {0.3, 1.5}) { // with few inverted quads, with many
         std::mt19937 random(5);
-        std::uniform_real_distribution<double> off(-0.3, 0.3);
+        std::uniform_real_distribution<double> off(-most, most);
         hmf::QuadMesh quads;
         quads.start(memory);
         bool room = true;
         for (uint32_t i = 0; i <= N; ++i)
             for (uint32_t j = 0; j <= N; ++j) {
-                const bool rim = i == 0 || j == 0 || i == N || j == N, at_tip = tip > 0 && i * (N + 1) + j == MIDDLE;
-                const double p[3] = {i
-                                         + (rim      ? 0
-                                            : at_tip ? tip
-                                                     : off(random)),
-                                     j + (rim || at_tip ? 0 : off(random)), 0};
-                room = room && quads.add_vertex(p, side, rim ? hmf::AT_CORNER : at_tip ? hmf::AT_TIP : uint8_t{0});
+                const bool rim = i == 0 || j == 0 || i == N || j == N;
+                const double p[3] = {i + (rim ? 0 : off(random)), j + (rim ? 0 : off(random)), 0};
+                room = room && quads.add_vertex(p, side, rim ? hmf::AT_CORNER : uint8_t{0});
             }
         for (uint32_t i = 0; i < N; ++i)
             for (uint32_t j = 0; j < N; ++j) {
@@ -277,26 +217,16 @@ TEST(SquareCorners, DisorderBecomesSquares) {
                 room = room && quads.add_quad(a, b, b + 1, a + 1);
             }
         ASSERT_TRUE(room);
-        hmf::QuadFigures figures;
-        const auto most_off = [&] {
-            double most = 0;
-            for (uint32_t v = 0; v < quads.vertex_count(); ++v)
-                for (uint32_t k = 0; k < 2; ++k) {
-                    const uint32_t even = k == 0 ? v / (N + 1) : v % (N + 1);
-                    most = std::max(most, std::fabs(quads.positions[3 * v + k] - even));
-                }
-            return most;
-        };
-        EXPECT_GT(most_off(), 0.29);
-        ASSERT_EQ(hmf::square_corners(mesh, position, 400, 0, quads, call), HMF_OK);
-        ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
-        EXPECT_EQ(figures.inverted, 0u);
-        if (tip > 0) EXPECT_LT(quads.positions[3 * MIDDLE] - N / 2, 0.6);
-        else EXPECT_LT(most_off(), 0.02);
-        // And good ones are left alone, if that is asked for.
-        const double before = quads.positions[3 * MIDDLE];
-        ASSERT_EQ(hmf::square_corners(mesh, position, 10, 0.9, quads, call), HMF_OK);
-        EXPECT_EQ(quads.positions[3 * MIDDLE], before);
+        uint64_t inverted = 0;
+        ASSERT_TRUE(hmf::count_inverted(mesh, position, quads, inverted, call));
+        if (most > 1) EXPECT_GT(inverted, N * N / 2);
+        optimize(mesh, position, quads, call);
+        ASSERT_TRUE(hmf::count_inverted(mesh, position, quads, inverted, call));
+        EXPECT_EQ(inverted, 0u);
+        for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
+            EXPECT_NEAR(quads.positions[3 * v], v / (N + 1), 0.1);
+            EXPECT_NEAR(quads.positions[3 * v + 1], v % (N + 1), 0.1);
+        }
     }
 }
 
@@ -347,9 +277,8 @@ TEST(QuadShape, AFoldedQuadIsBad) {
     }
 }
 
-// A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square, so that
-// relaxing them as they lie keeps it; unfolded, all look up.
-TEST(UnfoldQuads, PatchFaceDownIsTurned) {
+// A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square.
+TEST(OptimizeQuads, PatchFaceDownIsTurned) {
     constexpr uint32_t N = 32, LOW = 14, HIGH = 17;
     test::MadeMesh made(
         test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
@@ -386,9 +315,7 @@ TEST(UnfoldQuads, PatchFaceDownIsTurned) {
     ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, before);
     EXPECT_GT(figures.area, N * N + 2 * (HIGH - LOW) * (HIGH - LOW) - 1e-9);
-    hmf::Unfolded unfolded;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
-    EXPECT_TRUE(unfolded.better);
+    optimize(mesh, position, quads, call);
     EXPECT_EQ(inwards(), 0u);
     ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 0u);
@@ -485,9 +412,7 @@ TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
             room = room && quads.add_quad(a, b, b + 1, a + 1);
         }
     ASSERT_TRUE(room);
-    hmf::Unfolded unfolded;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
-    EXPECT_TRUE(unfolded.better);
+    optimize(mesh, position, quads, call);
     hmf::QuadFigures figures;
     ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 0u);
@@ -497,37 +422,58 @@ TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
     }
 }
 
-// Four quads stick out of the surface, and their middle must follow: it does so as a last resort, and no farther than
-// it must.  What is not needed for that stays on the surface.
-TEST_F(OnATriangle, VerticesLeaveItAsALastResort) {
-    constexpr uint32_t N = 14, LOW = 3; // the middle of those four is (6, LOW)
+// The outer vertices of a grid lie anywhere along the boundary of a triangle, some of them at one place: then each
+// corner of it has a vertex, those of one quad where they are near, and all come in order once around.
+TEST_F(OnATriangle, CornersOfTheBoundaryAreTaken) {
+    constexpr uint32_t N = 7;
+    const double side_length[3] = {120, std::sqrt(2.0) * 120, 120}, whole = 240 + side_length[1];
+    const double corner[3][2] = {{-40, -40}, {80, -40}, {-40, 80}};
+    const auto point_at = [&](double s, double* p) {
+        int k = 0;
+        s -= std::floor(s / whole) * whole;
+        for (; k < 2 && s > side_length[k]; ++k) s -= side_length[k];
+        for (int c = 0; c < 2; ++c) p[c] = corner[k][c] + s / side_length[k] * (corner[(k + 1) % 3][c] - corner[k][c]);
+        p[2] = 0;
+    };
     bool room = true;
+    std::vector<uint32_t> loop;
     for (uint32_t i = 0; i <= N; ++i)
         for (uint32_t j = 0; j <= N; ++j) {
-            const bool sticks_out = i >= 5 && i <= 7 && j >= LOW - 1 && j <= LOW + 1 && !(i == 6 && j == LOW);
             const bool rim = i == 0 || j == 0 || i == N || j == N;
-            const double p[3] = {1.0 * i, -40.0 + j - (sticks_out ? LOW + 2.0 : 0.0), 0};
-            room = room && quads.add_vertex(p, side, rim || sticks_out ? hmf::AT_CORNER : uint8_t{0});
+            const uint32_t along = j == 0 ? i : i == N ? N + j : j == N ? 3 * N - i : 4 * N - j; // counterclockwise
+            double p[3] = {0, 0, 0};
+            if (rim) point_at(whole * (along / 3 * 3 + 0.4) / (4 * N), p);
+            const uint32_t at = rim ? hmf::rim_near(mesh, position, side, p) : side;
+            ASSERT_NE(at, hmf::NONE);
+            room = room && quads.add_vertex(p, at, rim ? hmf::AT_BOUNDARY : uint8_t{0});
         }
-    for (uint32_t i = 5; i < 7; ++i)
-        for (uint32_t j = LOW - 1; j < LOW + 1; ++j) {
+    for (uint32_t i = 0; i < N; ++i)
+        for (uint32_t j = 0; j < N; ++j) {
             const uint32_t a = i * (N + 1) + j, b = a + N + 1;
             room = room && quads.add_quad(a, b, b + 1, a + 1);
         }
     ASSERT_TRUE(room);
-    const auto height = [&] { return quads.positions[3 * (6 * (N + 1) + LOW) + 1]; };
-    hmf::QuadFigures figures;
-    hmf::Unfolded unfolded;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
-    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
-    EXPECT_EQ(figures.inverted, 2u);
-    EXPECT_GE(height(), -40);
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::off_surface, quads, unfolded, call), HMF_OK);
-    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
-    EXPECT_TRUE(unfolded.better);
-    EXPECT_EQ(figures.inverted, 0u);
-    EXPECT_LT(height(), -41);
-    EXPECT_GT(height(), -41.5);
+    ASSERT_EQ(hmf::place_on_boundary(mesh, position, quads, call), HMF_OK);
+    for (uint32_t i = 0; i < N; ++i) loop.push_back(i * (N + 1));
+    for (uint32_t j = 0; j < N; ++j) loop.push_back(N * (N + 1) + j);
+    for (uint32_t i = N; i > 0; --i) loop.push_back(i * (N + 1) + N);
+    for (uint32_t j = N; j > 0; --j) loop.push_back(j);
+    size_t taken = 0;
+    double around = 0;
+    for (size_t k = 0; k < loop.size(); ++k) {
+        const uint32_t v = loop[k], w = loop[(k + 1) % loop.size()];
+        const double *const p = &quads.positions[3 * v], *const q = &quads.positions[3 * w];
+        const double length = std::hypot(q[0] - p[0], q[1] - p[1]);
+        EXPECT_GT(length, 0.1) << k;
+        around += length;
+        for (const auto& c : corner)
+            if (std::hypot(p[0] - c[0], p[1] - c[1]) < 1e-9) {
+                ++taken;
+                EXPECT_EQ(quads.held[v], hmf::AT_CORNER);
+            }
+    }
+    EXPECT_EQ(taken, 3u);
+    EXPECT_NEAR(around, whole, 1e-6);
 }
 
 // There and back again; and each allocation that fails is told, as what was not kept cannot be given back.

@@ -1,0 +1,74 @@
+// The one optimizer that moves the vertices of quads on their surface.
+#pragma once
+
+#include "quad_shape.hpp"
+#include "surface_normals.hpp"
+
+namespace hmf {
+
+class QuadOptimizer {
+public:
+    // quads: their places change, not which they are.  What is held AT_BOUNDARY slides along the boundary, ON_CREASE
+    // along sharp edges, free vertices move on the surface, and others stay.
+    QuadOptimizer(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+
+    [[nodiscard]] hmf_status start();
+
+    // Turns folded quads over, around them, and lets go there what is held where that does not do.
+    [[nodiscard]] hmf_status untangle();
+
+    // At most so many sweeps over the vertices, none of which folds a corner that is not folded.
+    [[nodiscard]] hmf_status shape(int sweeps);
+
+    // Vertices were moved from outside, or are held otherwise.
+    void look_again();
+
+    const QuadStars& stars() const { return stars_; }
+
+private:
+    struct Slopes { // of the energy, by two directions along the surface
+        double energy = 0, g[2] = {0, 0}, h[3] = {0, 0, 0};
+    };
+    struct Axes {
+        Point first, second;
+    };
+
+    Point normal_of(const uint32_t* corner, double* bend = nullptr) const;
+    double energy(uint32_t v, double* areas) const;
+    Slopes slopes(uint32_t v, const Axes& axes, double* areas) const;
+    Axes axes_at(uint32_t v) const;
+    double boundary_energy(uint32_t v, const Axes* axes, Slopes* sum) const;
+    double side_of(uint32_t v) const;
+    bool move(uint32_t v);
+    bool try_step(uint32_t v, const Axes& axes, const double* step, double before);
+    Done sweep(bool forward, double& moved);
+    Done set_targets();
+    Done find_boundary();
+    double least_area() const;
+    size_t count_folded() const;
+    bool is_folded(size_t q) const;
+    Done mark_region(int rings, bool lets_go);
+    [[nodiscard]] hmf_status untangle_round(int round);
+    bool is_fixed(uint32_t v) const { return quads_.held[v] && !can_slide(quads_.held[v]); }
+    void wake(uint32_t v);
+
+    const Mesh& mesh_;
+    const double* position_;
+    QuadMesh& quads_;
+    Call& call_;
+    SurfaceNormals normals_;
+    QuadStars stars_;
+    Array<Point> normal_;            // of the surface, at each vertex
+    Array<double> target_, weight_;  // of each quad: area wished, weight of its growth
+    Array<uint32_t> ahead_, behind_; // vertices of the boundary: neighbors on it; NONE
+    Array<uint8_t> flat_;            // per vertex: its only corner lies on a straight boundary
+    Array<uint8_t> awake_;           // per vertex: it, or what is near it, has moved since its last step
+    Array<uint8_t> region_;          // per vertex: may move; empty: all may
+    Array<double> before_, after_;   // areas of corners around one vertex
+    double mean_ = 0;                // area of the quads
+    double eps_ = 0, growth_ = 0, sag_ = 0;
+    bool barrier_ = true;
+};
+
+} // namespace hmf
