@@ -540,8 +540,8 @@ typedef struct hmf_quad_mesh {
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
  * crosses, or if no numbers of columns match on all cylinders, for edges so long or
- * on a mesh so coarse, or if with relax more than one quad in 100 stays inverted, or
- * the quads have less than 3/4 or more than 4/3 of the area of the surface;
+ * on a mesh so coarse, or if of 100 relaxed quads and more one in 20 stays inverted,
+ * or they have less than 3/4 or more than 4/3 of the area of the surface;
  * HMF_ERROR_OPTIONS if there would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,

@@ -20,7 +20,7 @@ namespace hmf {
 namespace {
 
 constexpr double TURNS = 0.707; // cosine of 45 degrees
-constexpr int REACH = 8;        // sides that a vertex of one quad goes to a corner; others one
+constexpr int REACH = 3;        // sides that a vertex of one quad goes to a corner; others one
 constexpr double SPREAD = 0.05; // part of even places in all places, that no two are the same
 constexpr double OTHER = 0.5;   // cost, in squared sides, of a quad too many or too few at a corner
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double FEWEST_TO_REFINE = 8000; // quads
 constexpr int MOST_HALVINGS = 12;         // of the edges
-constexpr double MOST_INVERTED = 0.01;    // of the quads
+constexpr double MOST_INVERTED = 0.05;    // of the quads
+constexpr size_t FEW = 100;               // quads, which are larger than what they should follow as a rule
 constexpr double LEAST_AREA = 0.75;       // of the quads in that of the surface, or the other way around
 
 // How many quads the wish makes of that area.
@@ -46,6 +47,7 @@ hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& c
 
 // Where quads are larger than what they should follow, or the leaves do not reach a part of the surface.
 hmf_status refuse_unfit(const QuadFigures& figures, double area, size_t count, Call& call) {
+    if (count < FEW) return HMF_OK;
     if (static_cast<double>(figures.inverted) > MOST_INVERTED * static_cast<double>(count))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                          "%llu of %llu quads are folded over on the surface. Wish for more and smaller quads, or give "
