@@ -291,11 +291,11 @@ class Outputs(Case):
             self.assertEqual("4 were wished, and these loops and marked vertices need about 9" in done.stdout, count == "4")
 
     def test_folded_quads_are_refused(self):
-        """Tips of a star are narrower than the quads, which are folded over there: the tool says so."""
+        """Tips of a star are narrower than the quads, which do not fit there: the tool says so."""
         points = [((1 if k % 2 == 0 else .5) * math.cos(math.pi * k / 8), (1 if k % 2 == 0 else .5) * math.sin(math.pi * k / 8), 0) for k in range(16)]
         triangles = [(k, (k + 1) % 16, (k + 2) % 16) for k in range(1, 16, 2)] + [(1, k, k + 2) for k in range(3, 15, 2)]
         star = self.write("star.obj", obj_text(points, triangles))
-        self.refused(3, "quads", star, self.path("q.obj"), "--count", "200", "--refine", "600", says=["folded over"])
+        self.refused(3, "quads", star, self.path("q.obj"), "--count", "200", "--refine", "600", says=["give other loops"])
 
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
