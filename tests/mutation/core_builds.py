@@ -131,7 +131,7 @@ def link_test(source, tree, to, core):
 
 def build_release():
     """The objects of the tests, as they are now."""
-    for command in (["cmake", "--preset", "release"], ["cmake", "--build", str(RELEASE), "-j", str(jobs())]):
+    for command in (["cmake", "--preset", "release"], ["cmake", "--build", str(RELEASE), "-j", str(jobs()), "--target", "hmf_tests", "hmf_replays"]):
         run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         if run.returncode:
             raise SystemExit(run.stdout[-3000:] + run.stderr[-3000:])
