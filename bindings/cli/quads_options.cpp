@@ -26,8 +26,8 @@ Options quads_options(SolveRequest& r) {
         marks_option(r),
         mollify_option(r),
         Option{"--refine", &r.refine, "N",
-               "a mesh of fewer triangles is cut into so many at its longest edges, which leaves the surface\n"
-               "as it is; not with --loops FILE"}
+               "a mesh of fewer triangles is cut into so many at its longest edges, and edges inside flat parts\n"
+               "are flipped to be Delaunay; the surface stays as it is; 0: neither; not with --loops FILE"}
             .in("[0, 1000000]"),
         threads_option(r),
         Option{"--image", &r.image, "FILE.png", "picture of the quads; irregular vertices and loops are marked"}.writes(
