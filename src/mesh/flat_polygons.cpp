@@ -2,6 +2,7 @@
 
 #include "polygon_delaunay.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -12,6 +13,10 @@ namespace {
 // that its boundary cannot meet itself and its triangulations are those of one surface.
 constexpr double MOST_CONCAVE = 0.125, MOST_CONCAVE_IN_ALL = 2.5;
 constexpr double STRAIGHT_SINE = 1e-9; // a smaller sine is rounding
+// Corners of a polygon are known up to this part of the least height of its triangles.  A side that is short beside the
+// triangle beyond it passes its error on many times as large, so that chains of needles end there.
+constexpr double MOST_ERROR = 1e-13;
+constexpr double ROUNDING = 0x1p-50, FINE_ROUNDING = 0x1p-100; // of a few operations
 
 struct FlatCorner {
     PlanePoint point;
@@ -21,6 +26,7 @@ struct FlatCorner {
     uint32_t previous; // corner
     uint32_t edges;    // inside, that end here
     double concave;    // sine of the turn to the right, or 0
+    double error;      // bound of that of the point
 };
 
 // Of a diagonal of the polygon in order: the spoke to `corner` is flipped and joins `from` and `to`.
@@ -36,10 +42,12 @@ public:
 
 private:
     Done grow(uint32_t edge);
-    Done add_corner(const PlanePoint& point, uint32_t vertex, uint32_t side);
-    bool find_apex(uint32_t corner, PlanePoint& apex) const;
+    Done add_corner(const PlanePoint& point, double error, uint32_t vertex, uint32_t side);
+    bool find_apex(uint32_t corner, PlanePoint& apex, double& error) const;
+    bool is_exact_enough(uint32_t face, double longest, double error);
     Done add_triangle(uint32_t corner);
-    double concave(uint32_t a, const PlanePoint& at, uint32_t b, const PlanePoint& towards, bool& sharp) const;
+    static double concave(const PlanePoint& u_before, const PlanePoint& v_before, const PlanePoint& u,
+                          const PlanePoint& v, bool& sharp);
     Done triangulate();
     Done order_corners();
     void flip_edge(uint32_t edge);
@@ -55,6 +63,11 @@ private:
     TwoDoubles four_areas(uint32_t face) const {
         return metric_.fine_area.empty() ? TwoDoubles{metric_.four_areas[face], 0} : metric_.fine_area[face];
     }
+    double longest_side(uint32_t h) const {
+        return std::sqrt(std::max(
+            {square(edge_of(h)).high, square(edge_of(mesh_.next[h])).high, square(edge_of(mesh_.prev(h))).high}));
+    }
+    double rounding() const { return metric_.square.empty() ? ROUNDING : FINE_ROUNDING; }
     void set_edge(uint32_t edge, uint32_t a, uint32_t b);
     void set_face(uint32_t face, uint32_t a, uint32_t b, uint32_t c);
 
@@ -71,7 +84,7 @@ private:
     Array<PlanePoint> points_;
     Array<SpokeFlip> spoke_flips_;
     PolygonDelaunay delaunay_;
-    double concave_in_all_ = 0;
+    double concave_in_all_ = 0, largest_error_ = 0, least_height_ = HUGE_VAL;
     uint64_t steps_ = 0;
 };
 
@@ -98,13 +111,23 @@ Done FlatPolygons::run(double fraction) {
     return true;
 }
 
-Done FlatPolygons::add_corner(const PlanePoint& point, uint32_t vertex, uint32_t side) {
+Done FlatPolygons::add_corner(const PlanePoint& point, double error, uint32_t vertex, uint32_t side) {
     is_corner_[vertex] = 1;
-    return corners_.push({point, vertex, side, 0, 0, 0, 0});
+    return corners_.push({point, vertex, side, 0, 0, 0, 0, error});
+}
+
+// With the corner that the triangle adds, are the triangles large beside the errors?
+bool FlatPolygons::is_exact_enough(uint32_t face, double longest, double error) {
+    const double height = std::min(least_height_, 0.5 * four_areas(face).high / longest);
+    const double largest = std::max(largest_error_, error);
+    if (!(largest <= MOST_ERROR * height)) return false;
+    least_height_ = height;
+    largest_error_ = largest;
+    return true;
 }
 
 // The corner beyond the side that begins at `corner`, in the triangle there; false: the triangle cannot be added.
-bool FlatPolygons::find_apex(uint32_t corner, PlanePoint& apex) const {
+bool FlatPolygons::find_apex(uint32_t corner, PlanePoint& apex, double& error) const {
     const FlatCorner &p = corners_[corner], &q = corners_[p.next];
     const uint32_t t = twin(p.side), face = mesh_.face[t];
     if (is_taken_[face] || is_corner_[mesh_.origin[mesh_.prev(t)]]) return false;
@@ -113,33 +136,40 @@ bool FlatPolygons::find_apex(uint32_t corner, PlanePoint& apex) const {
     const PlanePoint d = p.point - q.point;
     const TwoDoubles along = 0.5 * ((pq + qr - pr) / pq), up = 0.5 * (four_areas(face) / pq);
     apex = {q.point.x + along * d.x - up * d.y, q.point.y + along * d.y + up * d.x};
+    const double side = std::sqrt(pq.high), longest = std::max({pq.high, pr.high, qr.high});
+    error = q.error + (p.error + q.error) * (std::sqrt(qr.high) / side) + rounding() * (longest / side);
     return true;
 }
 
-// Sine of the turn to the right on the path a -> at -> b, where `towards` may stand for the point of a or b.
-double FlatPolygons::concave(uint32_t a, const PlanePoint& at, uint32_t b, const PlanePoint& towards,
-                             bool& sharp) const {
-    const PlanePoint u = at - (a == NONE ? towards : corners_[a].point),
-                     v = (b == NONE ? towards : corners_[b].point) - at;
-    const double right = -cross(u, v).high;
+// Sine of the turn to the right from u to v at a corner whose angle inside was that from `u_before` to `v_before`, and
+// has grown by less than 180 degrees.
+double FlatPolygons::concave(const PlanePoint& u_before, const PlanePoint& v_before, const PlanePoint& u,
+                             const PlanePoint& v, bool& sharp) {
+    const double right_before = -cross(u_before, v_before).high, right = -cross(u, v).high;
     const double size = std::sqrt(dot(u, u).high) * std::sqrt(dot(v, v).high);
-    if (!(right > STRAIGHT_SINE * size)) return 0;
-    sharp |= !(right <= MOST_CONCAVE * size) || dot(u, v).high < 0;
-    return right / size;
+    sharp |= right > MOST_CONCAVE * size;
+    sharp |= right >= 0 && dot(u, v).high < 0; // beyond 270 degrees
+    sharp |= right <= 0 && right_before >= 0;  // beyond 360 degrees: it was 180 or more
+    return right > STRAIGHT_SINE * size ? right / size : 0;
 }
 
 // The triangle beyond the side that begins at `corner`, if the polygon stays nearly convex.
 Done FlatPolygons::add_triangle(uint32_t corner) {
     PlanePoint apex;
-    if (!find_apex(corner, apex)) return true;
+    double error = 0;
+    if (!find_apex(corner, apex, error)) return true;
     const uint32_t p = corner, q = corners_[p].next, t = twin(corners_[p].side);
     bool sharp = false;
-    const double at_p = concave(corners_[p].previous, corners_[p].point, NONE, apex, sharp);
-    const double at_q = concave(NONE, corners_[q].point, corners_[q].next, apex, sharp);
+    const PlanePoint to_p = corners_[p].point - corners_[corners_[p].previous].point,
+                     pq = corners_[q].point - corners_[p].point,
+                     from_q = corners_[corners_[q].next].point - corners_[q].point;
+    const double at_p = concave(to_p, pq, to_p, apex - corners_[p].point, sharp);
+    const double at_q = concave(pq, from_q, corners_[q].point - apex, from_q, sharp);
     const double all = concave_in_all_ - corners_[p].concave - corners_[q].concave + at_p + at_q;
     if (sharp || all > MOST_CONCAVE_IN_ALL) return true;
+    if (!is_exact_enough(mesh_.face[t], longest_side(t), error)) return true;
     const uint32_t r = static_cast<uint32_t>(corners_.size()), edge = edge_of(t);
-    if (!add_corner(apex, mesh_.origin[mesh_.prev(t)], mesh_.prev(t)) || !edges_.push(edge) || !queue_.push(p)
+    if (!add_corner(apex, error, mesh_.origin[mesh_.prev(t)], mesh_.prev(t)) || !edges_.push(edge) || !queue_.push(p)
         || !queue_.push(r))
         return false;
     concave_in_all_ = all;
@@ -166,8 +196,10 @@ Done FlatPolygons::grow(uint32_t edge) {
     if (mesh_.origin[h] == mesh_.origin[jk] || mesh_.origin[jk] == mesh_.origin[ki]
         || mesh_.origin[ki] == mesh_.origin[h])
         return true;
-    if (!add_corner({}, mesh_.origin[h], h) || !add_corner(j, mesh_.origin[jk], jk)
-        || !add_corner(k, mesh_.origin[ki], ki))
+    const double error = rounding() * std::max({ij.high, ik2.high, jk2.high}) / length.high;
+    if (!is_exact_enough(mesh_.face[h], longest_side(h), error)) return true;
+    if (!add_corner({}, 0, mesh_.origin[h], h) || !add_corner(j, error, mesh_.origin[jk], jk)
+        || !add_corner(k, error, mesh_.origin[ki], ki))
         return false;
     for (uint32_t c = 0; c < 3; ++c) {
         corners_[c].next = c == 2 ? 0 : c + 1;
@@ -285,7 +317,8 @@ void FlatPolygons::clear() {
     queue_.clear();
     ring_.clear();
     points_.clear();
-    concave_in_all_ = 0;
+    concave_in_all_ = largest_error_ = 0;
+    least_height_ = HUGE_VAL;
 }
 
 } // namespace

@@ -107,6 +107,21 @@ struct Flipped {
         EXPECT_TRUE(hmf::measure_thin(mesh, position, metric, sum.data(), call));
     }
     void flip() { EXPECT_EQ(hmf::intrinsic_delaunay(mesh, metric, sum.data(), log, call, 0, 1), HMF_OK); }
+    // Sum of the angles at each vertex.
+    std::vector<double> cone_angles() const {
+        std::vector<double> angles(mesh.vertex_count, 0);
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+            const uint32_t a = hmf::edge_of(h), b = hmf::edge_of(mesh.prev(h)), c = hmf::edge_of(mesh.next[h]);
+            const auto square = [&](uint32_t e) {
+                return metric.square.empty() ? hmf::TwoDoubles::of_product(metric.length[e], metric.length[e])
+                                             : metric.square[e];
+            };
+            const double area =
+                metric.square.empty() ? metric.four_areas[mesh.face[h]] : metric.fine_area[mesh.face[h]].value();
+            angles[mesh.origin[h]] += std::atan2(area, (square(a) + square(b) - square(c)).value());
+        }
+        return angles;
+    }
     uint32_t bad() {
         uint32_t edge = 0;
         EXPECT_TRUE(hmf::find_bad_flip(mesh, metric, sum.data(), log, call, 1, edge));
@@ -115,6 +130,30 @@ struct Flipped {
 };
 
 } // namespace
+
+// Triangles with angles near 180 degrees, as stretching makes them: a polygon that grows by one of these may not close
+// around a corner and cover itself.  The angles around each vertex stay.
+TEST(FlatPolygons, AnglesAroundVerticesStay) {
+    size_t with_polygons = 0;
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        TorusOptions options;
+        options.random_diagonals = true;
+        options.jitter = 0.4;
+        options.seed = seed;
+        TriMesh surface = torus(40, 30, 3, 1, options);
+        const double stretch = std::pow(10, 1 + random.below(4));
+        for (size_t v = 0; v < surface.vertex_count(); ++v) surface.positions[3 * v] *= stretch;
+        Flipped flipped(surface);
+        const std::vector<double> before = flipped.cone_angles();
+        flipped.flip();
+        with_polygons += flipped.log.count > hmf::FLIPS_PER_EDGE_ALONE * flipped.mesh.edge_count;
+        const std::vector<double> after = flipped.cone_angles();
+        for (size_t v = 0; v < before.size(); ++v) ASSERT_NEAR(after[v], before[v], 1e-6) << v;
+    }
+    EXPECT_GT(with_polygons, 3u);
+}
 
 // The certificate of the flips fails where a length, an area or a sum of cotangents is not that of the surface.
 TEST(FlatPolygons, EveryFlipIsChecked) {
