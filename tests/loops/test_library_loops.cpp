@@ -277,7 +277,7 @@ struct Carried {
     }
     void refine() {
         EXPECT_TRUE(carrier.refine(call));
-        EXPECT_TRUE(carrier.read(0, loops.count(), loops, memory));
+        EXPECT_TRUE(carrier.read(0, loops.count(), loops, call));
     }
     // Per edge, with signs: positive from the left of half-edge 2e.
     std::vector<int> crossings(size_t c) const {
@@ -374,7 +374,7 @@ void expect_pants(const TriMesh& mesh) {
         hmf::CutSurface cut;
         ASSERT_TRUE(curves.allocate(on, memory));
         bool are_disjoint = false;
-        ASSERT_TRUE(hmf::disjoint(on, loops, 0, loops.count(), curves, nullptr, memory, are_disjoint));
+        ASSERT_TRUE(hmf::disjoint(on, loops, 0, loops.count(), curves, nullptr, call, are_disjoint));
         ASSERT_TRUE(are_disjoint);
         ASSERT_TRUE(cut.build(on, curves, false, call));
         std::vector<uint32_t> parent(cut.region_count);

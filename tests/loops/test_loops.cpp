@@ -43,7 +43,7 @@ Pieces pieces(const Mesh& mesh, const Loops& loops) {
     CutSurface cut;
     EXPECT_TRUE(curves.allocate(mesh, c.memory) && curves.add(loops.crossings.data(), loops.crossings.size()));
     EXPECT_TRUE(curves.is_normal(mesh));
-    EXPECT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, false, c.call));
+    EXPECT_TRUE(curves.trace(mesh, c.call) && cut.build(mesh, curves, false, c.call));
     EXPECT_EQ(curves.components.count(), loops.count());
     std::vector<uint32_t> parent(cut.region_count);
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
@@ -648,7 +648,7 @@ TEST(CutSystem, EachIsTheShortest) {
             const double straight = curve({loop, loop + n});
             CutSurface cut;
             Signatures signatures;
-            ASSERT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, true, c.call)
+            ASSERT_TRUE(curves.trace(mesh, c.call) && cut.build(mesh, curves, true, c.call)
                         && signatures.build(cut, c.call));
             for (uint32_t root = 0; root < cut.region_count; ++root) {
                 std::vector<double> distance(cut.region_count, HUGE_VAL);
@@ -753,8 +753,8 @@ TEST(Disjoint, TheLastOneAlone) {
     for (size_t k = 0; k < others.count(); ++k) {
         ASSERT_TRUE(cut.add(others, k));
         bool all = false, last = false;
-        ASSERT_TRUE(hmf::disjoint(mesh, cut, 0, cut.count(), curves, nullptr, c.memory, all));
-        ASSERT_TRUE(hmf::last_is_disjoint(mesh, cut, curves, c.memory, last));
+        ASSERT_TRUE(hmf::disjoint(mesh, cut, 0, cut.count(), curves, nullptr, c.call, all));
+        ASSERT_TRUE(hmf::last_is_disjoint(mesh, cut, curves, c.call, last));
         EXPECT_EQ(last, all) << k;
         yes += all;
         cut.keep_first(cut.count() - 1);
