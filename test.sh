@@ -122,15 +122,24 @@ build() { # preset, targets
     return 1
 }
 
+# Seconds of processor time of all commands that have ended.
+processor_time() {
+    times > "$results/times"
+    awk -F '[ms ]' 'NR == 2 { printf "%d", 60 * $1 + $2 + 60 * $4 + $5 }' "$results/times"
+}
+
 run_variant() { # name, preset, targets, entries
-    local name=$1 xml=$results/$1.xml counts="0 1 0" started=$SECONDS p f s
+    local name=$1 xml=$results/$1.xml counts="0 1 0" started=$SECONDS before p f s
+    processor_time > "$results/before" # not in a subshell, which counts its own commands
+    before=$(cat "$results/before")
     echo "=== $name"
     # shellcheck disable=SC2046
     install_if_possible $(helpful_packages "$name")
     # A failed build is one failure; what it would have run is not counted.
     # shellcheck disable=SC2086
     if build "$2" $3; then
-        echo "    built after $((SECONDS - started)) s"
+        processor_time > "$results/built"
+        echo "    built after $((SECONDS - started)) s, $(($(cat "$results/built") - before)) s of processor time"
         rm -f "$xml"
         # shellcheck disable=SC2086
         ctest --test-dir "build/$2" -j "$jobs" --no-tests=error --output-junit "$xml" --test-output-size-passed 100000000 \
@@ -146,7 +155,9 @@ run_variant() { # name, preset, targets, entries
     fi
     read -r p f s <<< "$counts"
     passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
-    echo "--- $name: $p passed, $f failed, $s skipped, $((SECONDS - started)) s"
+    processor_time > "$results/ended"
+    echo "--- $name: $p passed, $f failed, $s skipped, $((SECONDS - started)) s," \
+        "$(($(cat "$results/ended") - before)) s of processor time"
 }
 
 # --- Main ------------------------------------------------------------------------
