@@ -221,7 +221,7 @@ TEST(Disks, ArcsOfTheLibraryAreTheLinearProblem) {
                     fixed[walk[k % n]] = side < 2 ? 0 : 1;
             possible[way] = linear_energy(level, fixed);
         }
-        for (const int32_t kind : {0, HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) { // 0: those of hmf_solve
+        for (const int32_t kind : {0, HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) { // 0: those of hmf_solve_cut_system
             Owned<hmf_loop_set> set;
             if (kind)
                 set = make<hmf_loop_set>(
@@ -231,7 +231,8 @@ TEST(Disks, ArcsOfTheLibraryAreTheLinearProblem) {
                 ASSERT_TRUE(set->arcs && set->arcs[0]);
             }
             const auto f = make<hmf_foliation>([&](auto out, hmf_error* e) {
-                return hmf_solve(hierarchy.get(), set.get(), nullptr, nullptr, out, e);
+                return set ? hmf_solve(hierarchy.get(), set.get(), nullptr, nullptr, out, e)
+                           : hmf_solve_cut_system(hierarchy.get(), nullptr, nullptr, out, e);
             });
             ASSERT_TRUE(f);
             const double found = hmf_foliation_report(f.get())->energy;
