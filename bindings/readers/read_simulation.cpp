@@ -180,8 +180,8 @@ public:
     using SimulationReader::SimulationReader;
 
     TriangleMesh read() {
-        text_.next_line(); // of the version, which is a comment
-        text_.next_line(); // title
+        // A comment with the version, and a title.
+        for (int line = 0; line < 2 && !text_.at_end(); ++line) text_.next_line();
         const std::string_view kind = take_word("ASCII or BINARY");
         if (kind != "ASCII")
             text_.fail("only legacy VTK as text is read, and this is " + in_quotes(kind) + "; save it as ASCII");
