@@ -79,16 +79,17 @@ else
 fi
 # The module compiled against the static library, beside the Python sources of the package: the same bits.
 quick_python() {
-    local python=$work/venv/bin/python packaging=$root/bindings/python/packaging headers=$root/include/hmf
+    local python=$work/venv/bin/python packaging=$root/bindings/python/packaging headers=$root/include/hmf readers=$root/bindings/readers
     rm -rf "$work/package"
     { [ -x "$python" ] || python3 -m venv "$work/venv"; } && "$work/venv/bin/pip" install -q cffi numpy > "$work/pip.log" 2>&1 || {
         echo "skip bindings-same-bits python (skipped: no environment with numpy and cffi)"
         return 0
     }
     mkdir -p "$work/package" && cp -r "$root/bindings/python/src/foliations" "$work/package" &&
-        "$python" "$packaging/declarations.py" "$headers/hmf.h" "$headers/uses.h" "$headers/pool.h" "$packaging/progress.c" "$work/_native.c" &&
-        cc -O1 -fPIC -shared -I"$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')" -I"$root/include" "$work/_native.c" \
-            "$root/build/release/libhmf.a" "$root/build/release/libhmf_pool.a" -lstdc++ -lm -lpthread \
+        "$python" "$packaging/declarations.py" "$headers/hmf.h" "$headers/uses.h" "$headers/pool.h" "$readers/readers.h" \
+            "$packaging/progress.c" "$work/_native.c" &&
+        cc -O1 -fPIC -shared -I"$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')" -I"$root/include" -I"$readers" "$work/_native.c" \
+            "$root/build/release/bindings/readers/libhmf_readers.a" "$root/build/release/libhmf.a" "$root/build/release/libhmf_pool.a" -lstdc++ -lm -lpthread \
             -o "$work/package/foliations/_native$("$python" -c 'import sysconfig; print(sysconfig.get_config_var("EXT_SUFFIX"))')" &&
         PYTHONPATH=$work/package "$python" "$root/bindings/python/tests/same_bits.py" > "$work/same_bits-python.txt" &&
         diff "$reference" "$work/same_bits-python.txt"
