@@ -66,7 +66,8 @@ hmf_status flat_surface(State& state, double residual, FlatSurface& flat, Call& 
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
         return call.cancelled() ? call.was_cancelled() : call.status();
     if (!call.tick(0.3)) return call.was_cancelled();
-    const TwistedLaplacian::Known known{untouched.data(), residual > share ? residual : share, of_foliation};
+    const TwistedLaplacian::Known known{untouched.data(), residual > share ? residual : share, of_foliation,
+                                        residual > 0};
     if (const hmf_status status = laplacian.make_harmonic(flat.du, tolerance, call, known)) return status;
     if (!call.tick(0.5)) return call.was_cancelled();
     const double energy = energy_of(flat.du.value.data(), f.mesh, weight, call.parallel);

@@ -112,9 +112,10 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, 
     const Balance balance = call.parallel.sum_blocks<Balance>(
         n, [&](size_t begin, size_t end) { return read_divergence(form, known, begin, end); });
     if (balance.unexpected > 0)
-        return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
-                         "u is not harmonic at %llu vertices where the foliation is. Please report it.",
-                         static_cast<unsigned long long>(balance.unexpected));
+        return call.fail(known.by_values ? HMF_ERROR_VALUE_NOT_HARMONIC : HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                         "u is not harmonic at %llu vertices where the foliation should be. %s",
+                         static_cast<unsigned long long>(balance.unexpected),
+                         known.by_values ? "Improve the values with hmf_relax." : "Please report it.");
     if (!(balance.divergence > 0)) return HMF_OK;
     const double relative = tolerance * std::sqrt(balance.pull / balance.divergence);
     if (relative >= 1) return HMF_OK;

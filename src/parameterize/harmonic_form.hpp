@@ -17,10 +17,12 @@ public:
     struct Known {
         const uint8_t* coclosed = nullptr; // per vertex
         double share = 0, energy = 0;
+        bool by_values = false; // of the caller, who can improve them
     };
     // form += d(w) with the w that makes it coclosed: its divergence falls to
     // `tolerance` of what there would be if no two fluxes at a vertex cancelled.
-    // HMF_ERROR_INTERNAL if the form is not what is known of it, HMF_ERROR_UNSUPPORTED if no solver comes so far.
+    // HMF_ERROR_INTERNAL, or HMF_ERROR_VALUE_NOT_HARMONIC by values of the caller, if the form is not what is known of
+    // it; HMF_ERROR_UNSUPPORTED if no solver comes so far.
     [[nodiscard]] hmf_status make_harmonic(TwistedForm& form, double tolerance, Call& call, const Known& known);
     uint32_t iterations() const { return iterations_; }
 

@@ -422,8 +422,8 @@ class Repairs(Case):
                     genus, marked, boundaries = (c["mesh"][key] for key in ("genus", "marked", "boundaries"))
                     if boundaries == 0:
                         self.assertEqual(c["index_sum"], 4 - 4 * genus - marked)
-                    else: # of the double; marks inside count twice
-                        twice = 8 - 8 * genus - 4 * boundaries - c["index_sum"] - marked
+                    else: # half of the double, where marks inside count twice
+                        twice = 8 - 8 * genus - 4 * boundaries - 2 * c["index_sum"] - marked
                         self.assertTrue(0 <= twice <= marked, c["mesh"])
                     self.assertEqual(c["class"], "proven")
                 self.assertLess(row["residual_max"], 1e-8)
