@@ -36,7 +36,7 @@ fuzz         | asan-ubsan | all | -R ^fuzz | the corpora of the fuzz targets, an
 format       | release | hmf hmf_core | -R ^check.(format|map|tiers)$ | layout of the sources, src/README.md, tests/tiers.txt
 header       | release | - | -R ^check.header$ | the headers in C89 to C17 and C++17, included twice
 symbols      | release | hmf | -R ^check.symbols$ | exported symbols, dependencies, no global state
-dropin       | release | hmf_core | -R ^check.dropin$ | the core as one file: compiles by one command, the same bits
+dropin       | release | hmf hmf_core | -R ^check.dropin$ | the core, and all, as one file: compiles by one command, the same bits
 abi          | release | - | -R ^check.abi$ | the interface against the recorded one; what breaks programs is seen (docs/abi.md)
 plain        | release | - | -R ^check.plain$ | compiles without a build system; same bits with both compilers
 install      | release | hmf hmf_core hmf_pool hmf_cli | -R ^check.install$ | consumers: find_package, add_subdirectory, pkg-config, cc; example of the README

@@ -25,7 +25,7 @@ constexpr double EPS = 1e-3;                       // of the barrier, in areas o
 constexpr int EVEN = 20;                           // rounds in which the areas wished are evened out
 constexpr double LONGEST_STEP = 0.5, STILL = 4e-3; // in sides: of a step; of what counts as no move
 constexpr double STEPS[] = {1.6, 1, 0.4, 0.1};     // of a step of Newton's method, longest first
-constexpr int ROUNDS = 4, SWEEPS = 50;             // to untangle, and in each round
+constexpr int OPTIMIZE_ROUNDS = 4, SWEEPS = 50;    // to untangle, and in each round
 constexpr int RINGS = 4;                           // around folded quads, twice as many in each further round
 constexpr double SOFT = 0.2, HARDER = 0.8;         // eps in the worst corner; in the sweep before
 constexpr uint32_t SLICE = 256;                    // vertices between ticks
@@ -440,7 +440,7 @@ hmf_status QuadOptimizer::untangle() {
     if (!set_targets()) return call_.stopped();
     size_t least = count_folded();
     QuadPlaces best;
-    for (int round = 0; round < ROUNDS && least > 0; ++round) {
+    for (int round = 0; round < OPTIMIZE_ROUNDS && least > 0; ++round) {
         if (!best.keep(quads_, call_.memory)) return call_.out_of_memory();
         if (untangle_round(round)) return call_.status();
         const size_t now = count_folded();

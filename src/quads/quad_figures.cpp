@@ -9,7 +9,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t SLICE = 4096; // elements between ticks
+constexpr uint32_t FIGURES_SLICE = 4096; // elements between ticks
 
 Done measure_distance(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
                       double& distance, Call& call) {
@@ -18,7 +18,7 @@ Done measure_distance(const Mesh& mesh, const double* position, const Reflection
     if (!stars.build(quads, call.memory) || !near.build(mesh, position, front, quads, stars, call)) return false;
     double square = 0;
     for (uint32_t x = 0; x < mesh.vertex_count; ++x) {
-        if (x % SLICE == 0 && !call.tick(0)) return false;
+        if (x % FIGURES_SLICE == 0 && !call.tick(0)) return false;
         if (near.owner(x) == NONE) continue;
         const NearestQuads::Place place = near.find(x, square);
         if (place.quad != NONE) square = place.square;
@@ -32,7 +32,7 @@ Done measure_distance(const Mesh& mesh, const double* position, const Reflection
 Done count_inverted(const Mesh& mesh, const double* position, const QuadMesh& quads, uint64_t& inverted, Call& call) {
     inverted = 0;
     for (size_t q = 0; q < quads.quad_count(); ++q) {
-        if (q % SLICE == 0 && !call.tick(0)) return false;
+        if (q % FIGURES_SLICE == 0 && !call.tick(0)) return false;
         double as_it_lies = 0;
         const double seen = worst_corner_from_outside(mesh, position, quads, q, &as_it_lies);
         inverted += !(std::min(seen, as_it_lies) > 0);

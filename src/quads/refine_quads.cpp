@@ -10,8 +10,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t SLICE = 16384;    // quads between ticks
-constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
+constexpr uint32_t REFINE_SLICE = 16384; // quads between ticks
+constexpr double NEAR_CREASE = 0.25;     // of the side whose middle lies on it
 
 // Every edge gets a vertex in its middle, every quad one in its own:
 //
@@ -31,7 +31,7 @@ public:
             || !quads_.sides.reserve(vertices) || !quads_.held.reserve(vertices))
             return false;
         for (size_t q = 0; q < count; ++q) {
-            if (q % SLICE == 0 && !call_.tick(0)) return false;
+            if (q % REFINE_SLICE == 0 && !call_.tick(0)) return false;
             if (!divide(q)) return false;
         }
         quads_.quads.swap(fine_);

@@ -20,9 +20,9 @@ namespace hmf {
 
 namespace {
 
-constexpr double ALONG = 0.85;       // cosine of 32 degrees
-constexpr double REACH = 0.5;        // of the mean side at the vertex
-constexpr double LEAST_CORNER = 0.3; // sine, of the quads round a vertex that is snapped
+constexpr double ALONG = 0.85;            // cosine of 32 degrees
+constexpr double SNAP_REACH = 0.5;        // of the mean side at the vertex
+constexpr double SNAP_LEAST_CORNER = 0.3; // sine, of the quads round a vertex that is snapped
 constexpr size_t SAMPLES_PER_SIDE = 8, MOST_CELLS = size_t{1} << 22, MOST_SAMPLES = size_t{1} << 24;
 
 struct Sample {
@@ -184,7 +184,7 @@ private:
         for (uint32_t v = 0; v < n; ++v) {
             if (v % 1024 == 0 && !call_.tick(0)) return false;
             if (quads_.held[v] && quads_.held[v] != ON_CREASE) continue;
-            const uint32_t i = grid.nearest(samples_, place(v), REACH * length_[v]);
+            const uint32_t i = grid.nearest(samples_, place(v), SNAP_REACH * length_[v]);
             if (i == NONE) continue;
             Sample& s = on_line_[v];
             s.half_edge = walk_along_sharp_edges(mesh_, position_, samples_[i].half_edge, place(v), s.at);
@@ -238,7 +238,7 @@ private:
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
             if (v % 1024 == 0 && !call_.tick(0)) return false;
             if (quads_.held[v] && quads_.held[v] != ON_CREASE) continue;
-            const uint32_t c = grid.nearest(corners, place(v), REACH * length_[v]);
+            const uint32_t c = grid.nearest(corners, place(v), SNAP_REACH * length_[v]);
             if (c == NONE) continue;
             const double before = taker[c] == NONE ? 0 : square_distance(place(taker[c]), corners[c].at);
             if (is_nearer(square_distance(place(v), corners[c].at), v, before, taker[c])) taker[c] = v;
@@ -266,7 +266,7 @@ private:
         const Point from = at(quads_, v);
         const uint32_t side = quads_.sides[v];
         quads_.put(v, s.at, s.half_edge);
-        if (stars_.worst_corner(mesh_, position_, quads_, v) > LEAST_CORNER) return true;
+        if (stars_.worst_corner(mesh_, position_, quads_, v) > SNAP_LEAST_CORNER) return true;
         const double back[3] = {from.x, from.y, from.z};
         quads_.put(v, back, side);
         return false;

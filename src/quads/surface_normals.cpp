@@ -6,7 +6,7 @@ namespace hmf {
 
 namespace {
 
-Point of_length_one(const Point& a) {
+Point of_length_one_in_surface_normals(const Point& a) {
     const double length = std::sqrt(dot(a, a));
     return length > 0 ? (1 / length) * a : Point{};
 }
@@ -28,7 +28,7 @@ Done SurfaceNormals::build(const Mesh& mesh, const double* position, Memory& mem
         Point& sum = of_vertex_[mesh.origin[h]];
         if (size > 0) sum = sum + (1 / (whole > size ? whole : size)) * n;
     }
-    for (Point& n : of_vertex_) n = of_length_one(n);
+    for (Point& n : of_vertex_) n = of_length_one_in_surface_normals(n);
     return true;
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int MOST_TRIANGLES = 4096; // that one walk looks at
 
-double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot_in_surface_walk(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 void subtract(const double* a, const double* b, double* out) {
     for (int k = 0; k < 3; ++k) out[k] = a[k] - b[k];
 }
@@ -23,8 +23,8 @@ double nearest_in_triangle(const double* p, const double* a, const double* b, co
     subtract(p, a, ap);
     subtract(p, b, bp);
     subtract(p, c, cp);
-    const double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
-                 d6 = dot(ac, cp);
+    const double d1 = dot_in_surface_walk(ab, ap), d2 = dot_in_surface_walk(ac, ap), d3 = dot_in_surface_walk(ab, bp),
+                 d4 = dot_in_surface_walk(ac, bp), d5 = dot_in_surface_walk(ab, cp), d6 = dot_in_surface_walk(ac, cp);
     const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     double v = 0, w = 0; // barycentric coordinates of b and c
     if (d1 <= 0 && d2 <= 0) on = 4;

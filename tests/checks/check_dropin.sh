@@ -37,4 +37,5 @@ compare() { # file, program of bindings/same_bits, library
 }
 
 compare hmf_core own_loops libhmf_core.a
+compare hmf same_bits libhmf.a
 exit $failed

@@ -148,8 +148,6 @@ def names_declared_by(text):
 def unity_problems():
     local, shared = {}, {}
     for path in sorted(SRC.glob("*/*.[ch]pp")):
-        if path.parent.name == "quads":
-            continue
         for names, into in zip(declared_names(path), (local, shared)):
             for name in names:
                 into.setdefault(name, []).append(path.relative_to(SRC).as_posix())
