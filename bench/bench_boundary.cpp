@@ -13,7 +13,7 @@
 // without holes.  So there are two ratios: "job" to the mesh without holes, and "same genus"
 // to a closed mesh of the genus of the double with about as many triangles as the mesh with
 // holes: level 1 of the double, taken as a mesh of its own.
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include "../bindings/readers/mesh_formats.hpp"
 

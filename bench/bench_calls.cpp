@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "../include/hmf/uses.h"
+#include "../include/hmf/applications.h"
 #include "each_mesh.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 // time of the search in solves of it.  A row of a table in Markdown for each mesh.
 //
 //     bench_design MESH.obj...
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include "../bindings/readers/mesh_formats.hpp"
 

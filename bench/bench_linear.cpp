@@ -22,7 +22,7 @@
 #include <cholmod.h>
 #endif
 
-#include "../src/linear/signed_multigrid.hpp"
+#include "../src/core/linear/signed_multigrid.hpp"
 #include "soup.hpp"
 
 namespace {

@@ -40,7 +40,7 @@
 #include <cholmod.h>
 #endif
 
-#include "../include/hmf/uses.h"
+#include "../include/hmf/applications.h"
 #include "../include/hmf/pool.h"
 #include "soup.hpp"
 

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "../include/hmf/pool.h"
-#include "../include/hmf/uses.h"
+#include "../include/hmf/applications.h"
 #include "each_mesh.hpp"
 
 namespace {

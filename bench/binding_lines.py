@@ -48,7 +48,7 @@ def other_lines(text):
 for revision in sys.argv[1:] or ["HEAD"]:
     files = git("ls-tree", "-r", "--name-only", revision).split()
     functions = sum(git("show", f"{revision}:{file}").count("\nHMF_API")
-                    for file in files if file in ("include/hmf/hmf.h", "include/hmf/uses.h"))
+                    for file in files if file in ("include/hmf/hmf.h", "include/hmf/applications.h"))
     print(f"{revision}: {functions} functions")
     for language, pattern in LANGUAGES.items():
         count = python_lines if language == "Python" else other_lines

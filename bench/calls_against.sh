@@ -15,7 +15,7 @@ if [ ! -e "$work/libhmf.a" ]; then
     rm -rf "$work/tree"
     mkdir "$work/tree"
     git archive "$commit" include src | tar x -C "$work/tree"
-    (cd "$work" && for source in tree/src/*/*.cpp; do
+    (cd "$work" && for source in tree/src/*/*/*.cpp; do
         c++ -std=c++17 -O3 -DNDEBUG -fno-exceptions -fno-rtti -ffp-contract=off -Itree/include -c "$source"
     done && ar rcs libhmf.a ./*.o && rm ./*.o)
 fi

@@ -19,7 +19,7 @@ count() { # folder with src and include, name
     rm -rf "$objects"
     mkdir -p "$objects"
     # shellcheck disable=SC2086
-    (cd "$objects" && printf '%s\n' "$1"/src/*/*.cpp | xargs -P "${JOBS:-$(nproc)}" -n 1 \
+    (cd "$objects" && printf '%s\n' "$1"/src/*/*/*.cpp | xargs -P "${JOBS:-$(nproc)}" -n 1 \
         $ccache c++ -std=c++17 $flags -fno-exceptions -fno-rtti -ffp-contract=off -I"$1/include" -c &&
         cc -O1 -I"$1/include" -c "$OLDPWD/tests/checks/consumers/hashes.c" -o program.o && c++ ./*.o -o program)
     valgrind -q --tool=callgrind --callgrind-out-file="$objects/profile" "$objects/program" > "$objects/hashes"

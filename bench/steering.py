@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the numbers of src/solve/steering.hpp are worth.
+"""What the numbers of src/core/solve/steering.hpp are worth.
 
     bench/steering.py [--only NAME] BUILD MESH.obj ...
 
@@ -17,7 +17,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = r"""
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 #include <time.h>
 #include <cstdint>
 #include <cstdio>
@@ -135,7 +135,7 @@ def main():
     parser.add_argument("build")
     parser.add_argument("mesh", nargs="+")
     options = parser.parse_args()
-    header = (ROOT / "src/solve/steering.hpp").read_text()
+    header = (ROOT / "src/core/solve/steering.hpp").read_text()
     fields = {"double": "real", "uint32_t": "whole", "size_t": "size"}
     table = []
     for kind, names in re.findall(r"^constexpr (\w+) (.*?);", header, re.M):
@@ -149,8 +149,8 @@ def main():
         steered = ["newton.cpp", "cascade.cpp"]
         for name in steered:
             source = (ROOT / "src/solve" / name).read_text()
-            (work / name).write_text(source.replace('#include "', f'#include "{ROOT}/src/solve/').replace(
-                f'"{ROOT}/src/solve/steering.hpp"', '"steering.hpp"'))
+            (work / name).write_text(source.replace('#include "', f'#include "{ROOT}/src/core/solve/').replace(
+                f'"{ROOT}/src/core/solve/steering.hpp"', '"steering.hpp"'))
         (work / "program.cpp").write_text(PROGRAM)
         flags = ["-std=c++17", "-O3", "-DNDEBUG", "-ffp-contract=off", f"-I{ROOT}/include"]
         subprocess.check_call(["c++", *flags, "-fno-exceptions", "-fno-rtti", "-c", *steered], cwd=work)

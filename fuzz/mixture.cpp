@@ -2,7 +2,7 @@
 // moves, and their reversal in any depth of the log; going back over a split
 // is a restriction.  After each one: no pole, exact triangle inequalities, index
 // sum kept; at the end the connectivity of the start and the class.
-#include "../src/foliation/restriction.hpp"
+#include "../src/core/foliation/restriction.hpp"
 #include "random_foliation.hpp"
 
 namespace {

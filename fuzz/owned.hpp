@@ -2,7 +2,7 @@
 #pragma once
 
 #include <hmf/hmf.h>
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <memory>
 

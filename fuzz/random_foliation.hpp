@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "../src/foliation/whitehead.hpp"
+#include "../src/core/foliation/whitehead.hpp"
 #include "bytes.hpp"
 
 namespace fuzz {

@@ -2,7 +2,7 @@
 // inequalities, index sum kept; collapsing again restores the connectivity
 // exactly, and the values too.  If the foliation moved in between, it is
 // restricted: again no pole.
-#include "../src/foliation/restriction.hpp"
+#include "../src/core/foliation/restriction.hpp"
 #include "random_foliation.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

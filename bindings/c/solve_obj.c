@@ -3,7 +3,7 @@
  * Reads a closed triangle mesh, solves with the loops of the library, prints
  * the report, and writes "vertex,vertex,value" for each edge, vertices from 0.
  * C89; link with hmf, and with the C++ runtime if hmf is a static library. */
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <stdio.h>
 #include <stdlib.h>

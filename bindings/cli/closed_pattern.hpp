@@ -1,7 +1,7 @@
 // Coordinates for a checkerboard without seams.
 #pragma once
 
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <cstdint>
 #include <vector>

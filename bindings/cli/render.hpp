@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include "camera.hpp"
 #include "canvas.hpp"

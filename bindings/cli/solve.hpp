@@ -1,7 +1,7 @@
 // hmf solve: what it is asked for, and what comes out.
 #pragma once
 
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // Whole numbers of stripes on each cylinder, whatever the weights.
 #pragma once
 
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
 // npm run build: dist/hmf.wasm, the core as WebAssembly, dist/layout.js, what
-// hmf.h and uses.h say about functions, structures and constants, dist/options.d.ts,
+// hmf.h and applications.h say about functions, structures and constants, dist/options.d.ts,
 // the types of options that are numbers, and a copy of LICENSE.
 // node build.js types FILE: these types alone, which any clang can read.
 //
@@ -23,7 +23,7 @@ import { promisify } from 'node:util';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
 const root = join(here, '..', '..');
-const include = join(root, 'include'), header = join(include, 'hmf', 'uses.h'); // with hmf.h in it
+const include = join(root, 'include'), header = join(include, 'hmf', 'applications.h'); // with hmf.h in it
 const compiler = process.env.WASI_SDK_PATH ? join(process.env.WASI_SDK_PATH, 'bin', 'clang++') : 'clang++';
 
 const [command, file] = process.argv.slice(2);
@@ -154,7 +154,7 @@ if (command === 'types') {
 }
 const measured = await measure(structures);
 mkdirSync(join(here, 'dist'), { recursive: true });
-writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h and uses.h; do not edit.
+writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h and applications.h; do not edit.
 export const functions = ${JSON.stringify(functions, null, 4)};
 export const structures = ${JSON.stringify(measured, null, 4)};
 export const constants = ${JSON.stringify(constants, null, 4)};
@@ -165,9 +165,8 @@ writeFileSync(join(here, 'dist', 'options.d.ts'), optionTypes(options));
 // npm takes the licence only from the folder of the package.
 copyFileSync(join(root, 'LICENSE'), join(here, 'LICENSE'));
 
-const files = readdirSync(join(root, 'src'), { withFileTypes: true })
-    .filter(entry => entry.isDirectory())
-    .flatMap(entry => readdirSync(join(root, 'src', entry.name)).map(name => join(root, 'src', entry.name, name)))
+const folders = ['core', 'applications'].flatMap(layer => readdirSync(join(root, 'src', layer)).map(name => join(root, 'src', layer, name)));
+const files = folders.flatMap(folder => readdirSync(folder).map(name => join(folder, name)))
     .sort();
 const sources = [...files.filter(name => name.endsWith('.cpp')), join(here, 'src', 'glue.cpp')];
 const headers = [...files.filter(name => /\.h(pp)?$/.test(name)), ...readdirSync(join(include, 'hmf')).sort().map(name => join(include, 'hmf', name))];

@@ -147,7 +147,7 @@ def compile_binaries(name: str, work: Path, jobs: int) -> tuple[Path, Path]:
         shutil.copytree(sysconfig.get_paths()["include"], folder / "include", symlinks=False)
         (folder / "include" / "pyconfig.h").write_text(WINDOWS_CONFIG)
         includes = ["-I", folder / "include"]
-    core = sorted((ROOT / "src").glob("*/*.cpp"))
+    core = sorted((ROOT / "src").glob("*/*/*.cpp"))
     of_tool = [ROOT / "src" / "pool.cpp", *sorted((ROOT / "bindings").glob("cli/*.cpp")), *sorted((ROOT / "bindings").glob("readers/*.cpp"))]
 
     def one(source: Path) -> Path:
@@ -233,7 +233,7 @@ def main() -> None:
             tar.extractall(work / "unpacked", filter="data")
         source = next((work / "unpacked").iterdir())
         packaging = PYTHON / "packaging"
-        headers = [ROOT / "include" / "hmf" / h for h in ("hmf.h", "uses.h")]
+        headers = [ROOT / "include" / "hmf" / h for h in ("hmf.h", "applications.h")]
         run([sys.executable, packaging / "declarations.py", *headers, packaging / "progress.c", work / "_native.c"])
         for name in given.targets or TARGETS:
             wheel = pack(name, *compile_binaries(name, work, given.jobs), source, given.out)

@@ -51,7 +51,7 @@ packages() {
     local files crates=$work/crates
     cargo package --list --allow-dirty --locked -p foliations > "$work/foliations.list" &&
         cargo package --list --allow-dirty --locked -p foliations-sys > "$work/foliations-sys.list" || return 1
-    for files in "$root"/src/*/*.[ch]pp "$root"/include/hmf/hmf.h "$root"/include/hmf/uses.h; do
+    for files in "$root"/src/*/*/*.[ch]pp "$root"/include/hmf/hmf.h "$root"/include/hmf/applications.h; do
         grep -qxF "core/${files#"$root"/}" "$work/foliations-sys.list" || { echo "the package lacks $files"; return 1; }
     done
     grep -qx LICENSE "$work/foliations-sys.list" && grep -qx LICENSE "$work/foliations.list" && grep -qx README.md "$work/foliations.list" || return 1

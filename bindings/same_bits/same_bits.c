@@ -10,7 +10,7 @@
  *
  *     cc -Iinclude bindings/same_bits/same_bits.c libhmf.a -lstdc++ -lm
  */
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include "plate.h"
 

@@ -92,9 +92,9 @@ def translated(text: str, home: Path, pages: Path) -> str:
             return f"[{label}]({page}{part})"
         if path == BINDINGS / "rust" or path.parent.name == "examples" and path.suffix == ".py":
             return f"[{label}]({'rust.md' if path.name == 'rust' else 'gallery.md#' + path.stem})"
-        if path.name in ("hmf.h", "uses.h"):
+        if path.name in ("hmf.h", "applications.h"):
             return f"[{label}](c.md)"
-        if path.name in ("hmf.hpp", "uses.hpp"):
+        if path.name in ("hmf.hpp", "applications.hpp"):
             return f"[{label}](cpp.md)"
         return label
     # A picture inside a link first becomes a picture.
@@ -109,8 +109,8 @@ def comment_text(comment: str) -> str:
 def header_pages(pages: Path) -> list[str]:
     """Contract and declaration of each function, structure and constant, in the order of the headers."""
     functions = []
-    out = ["# C\n\nThe public headers, as they are. `hmf.h` is the core, `uses.h` what one does with a foliation.\n"]
-    for name in ("hmf.h", "uses.h"):
+    out = ["# C\n\nThe public headers, as they are. `hmf.h` is the core, `applications.h` what one does with a foliation.\n"]
+    for name in ("hmf.h", "applications.h"):
         text = (ROOT / "include" / "hmf" / name).read_text()
         out.append(f"## {name}\n")
         at = 0
@@ -130,7 +130,7 @@ def header_pages(pages: Path) -> list[str]:
         assert at
     (pages / "c.md").write_text("\n".join(out))
     cpp = ["# C++\n\nHeader only; classes that free themselves, vectors, exceptions.\n"]
-    for name in ("hmf.hpp", "uses.hpp"):
+    for name in ("hmf.hpp", "applications.hpp"):
         cpp.append(f"## {name}\n\n```cpp\n{(ROOT / 'include' / 'hmf' / name).read_text()}\n```\n")
     (pages / "cpp.md").write_text("\n".join(cpp))
     return functions
@@ -138,7 +138,7 @@ def header_pages(pages: Path) -> list[str]:
 
 # What each language calls it; "-": nothing of its own.  Every name must be in the sources.
 SOURCES = {
-    "C++": [ROOT / "include/hmf/hmf.hpp", ROOT / "include/hmf/uses.hpp"],
+    "C++": [ROOT / "include/hmf/hmf.hpp", ROOT / "include/hmf/applications.hpp"],
     "Python": sorted((BINDINGS / "python/src/foliations").glob("*.py")),
     "JavaScript": [BINDINGS / "javascript/lib/index.d.ts"],
     "Rust": sorted((BINDINGS / "rust/foliations/src").glob("**/*.rs")),

@@ -1,7 +1,7 @@
 // Calls on a hierarchy and on a foliation, chosen by bytes.
 #pragma once
 
-#include "uses.hpp"
+#include "applications.hpp"
 
 namespace fuzz {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <hmf/hmf.h>
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <algorithm>
 #include <cstring>

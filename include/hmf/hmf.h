@@ -14,12 +14,12 @@
  * In five calls:
  *
  *     hmf_build          positions + triangles  -> hierarchy
- *     hmf_loops          hierarchy              -> loops, flat arrays; in hmf/uses.h, or your own
+ *     hmf_loops          hierarchy              -> loops, flat arrays; in hmf/applications.h, or your own
  *     hmf_solve          hierarchy, loops       -> foliation
  *     hmf_foliation_values                      -> one number per edge
  *     hmf_foliation_destroy, hmf_free, hmf_destroy
  *
- * This header is the core, the library hmf_core.  hmf/uses.h has the search for
+ * This header is the core, the library hmf_core.  hmf/applications.h has the search for
  * loops, and what one does with a foliation: parameterise, trace leaves,
  * cylinders, quads, atlas.
  *
@@ -255,7 +255,7 @@ typedef struct hmf_control {
 } hmf_control;
 
 /* Frees a result that the library made (hmf_singularities and the calls of
-   uses.h); NULL is allowed. */
+   applications.h); NULL is allowed. */
 HMF_API void hmf_free(const void *result);
 
 /* ------------------------------------------------------------------------
@@ -572,7 +572,7 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
  * level.
  *
  * The minimum lies on the intrinsic Delaunay triangulation of level 0, and the
- * foliation keeps it: report, hmf_energy, hmf_residuals and what uses.h makes
+ * foliation keeps it: report, hmf_energy, hmf_residuals and what applications.h makes
  * start from there.  The values are those of the caller's edges, where a vertex
  * whose neighbours lie all in one direction would be a pole and is moved to the
  * next branch (counted in bad_flips).  The class is the same in any case.

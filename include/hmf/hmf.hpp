@@ -6,7 +6,7 @@
  *     solution.foliation.values();           // one value per edge
  *     solution.foliation.singularities();
  *
- * What one does with a foliation is in uses.hpp.  hmf.h is the manual; here is
+ * What one does with a foliation is in applications.hpp.  hmf.h is the manual; here is
  * only what differs.
  *
  *   errors    A failing call throws hmf::Error with the status, the element
@@ -30,7 +30,7 @@
 #ifndef HMF_HMF_HPP
 #define HMF_HMF_HPP
 
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <array>
 #include <cstddef>

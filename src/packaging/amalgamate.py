@@ -6,7 +6,7 @@
 Writes
 
     hmf.h  hmf_core.cpp        the core: build, levels, solve, interpolate, measures
-    hmf.h  uses.h  hmf.cpp     the core and the applications
+    hmf.h  applications.h  hmf.cpp     the core and the applications
 
 into DIR.  Each source is compiled by one command, without other files:
 
@@ -20,9 +20,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 INCLUDE = re.compile(r'\s*#include "([^"]+)"')
 
 
-def folders(which):
-    """The folders of a list in CMakeLists.txt."""
-    return re.search(rf"set\({which}([^)]*)\)", (ROOT / "CMakeLists.txt").read_text()).group(1).split()
+def folders(layer, which):
+    """The folders of a layer, in the order of CMakeLists.txt."""
+    names = re.search(rf"set\({which}([^)]*)\)", (ROOT / "CMakeLists.txt").read_text()).group(1).split()
+    return [f"{layer}/{name}" for name in names]
 
 
 def header(name):
@@ -56,16 +57,16 @@ def write_source(path, names):
 
 
 def header_note(path):
-    return "hmf.h for the interface" if path.name == "hmf_core.cpp" else "hmf.h and uses.h for the interface"
+    return "hmf.h for the interface" if path.name == "hmf_core.cpp" else "hmf.h and applications.h for the interface"
 
 
 def main(directory):
     directory.mkdir(parents=True, exist_ok=True)
-    for name in ("hmf.h", "uses.h"):
+    for name in ("hmf.h", "applications.h"):
         (directory / name).write_text(header(name))
-    core = folders("hmf_core_folders")
+    core = folders("core", "hmf_core_folders")
     write_source(directory / "hmf_core.cpp", core)
-    write_source(directory / "hmf.cpp", core + folders("hmf_application_folders"))
+    write_source(directory / "hmf.cpp", core + folders("applications", "hmf_application_folders"))
 
 
 if __name__ == "__main__":

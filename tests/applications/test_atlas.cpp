@@ -1,6 +1,6 @@
 // Atlases: each triangle once in the unit square, none over another one, charts
 // apart from each other, conformal as (u, v) is.
-#include "src/atlas/pack.hpp"
+#include "src/applications/atlas/pack.hpp"
 #include "support/boundary.hpp"
 #include "support/sample.hpp"
 

@@ -1,5 +1,5 @@
 // Surfaces with boundary: leaves, cylinders and quads.
-#include "src/hierarchy/hierarchy.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
 #include "support/boundary.hpp"
 #include "support/read_obj.hpp"
 #include "support/sample.hpp"

@@ -1,6 +1,6 @@
 // Unevenness and the even design: exact scales, derivatives against
 // differences, and designs that are solved on the whole mesh.
-#include "src/design/marked_trial.hpp"
+#include "src/applications/design/marked_trial.hpp"
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
 

@@ -1,6 +1,6 @@
 // An egg: a sphere with marked vertices at its tips, where what comes out can be said beforehand.  And the affine map
 // of one triangle, against singular values by Eigen.
-#include "src/parameterize/dilatation.hpp"
+#include "src/applications/parameterize/dilatation.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Overlaps of triangles in the plane, and what looking for them takes.
-#include "src/atlas/overlaps.hpp"
+#include "src/applications/atlas/overlaps.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>

@@ -1,11 +1,11 @@
 // Quads over poles: a tube of quads whose ends are folded flat, and how many quads there are.
-#include "src/api_applications/use_entry.hpp"
-#include "src/quads/graph_points.hpp"
-#include "src/quads/grid_sizes.hpp"
-#include "src/quads/quad_input.hpp"
-#include "src/quads/quad_mesh.hpp"
-#include "src/quads/quad_poles.hpp"
-#include "src/quads/quad_sizes.hpp"
+#include "src/applications/api/use_entry.hpp"
+#include "src/applications/quads/graph_points.hpp"
+#include "src/applications/quads/grid_sizes.hpp"
+#include "src/applications/quads/quad_input.hpp"
+#include "src/applications/quads/quad_mesh.hpp"
+#include "src/applications/quads/quad_poles.hpp"
+#include "src/applications/quads/quad_sizes.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>

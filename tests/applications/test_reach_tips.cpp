@@ -5,7 +5,7 @@
 //     r---x---r      x: below the spike; it goes to its tip, if no side gets too long
 //     | / | \ |
 //     r---r---r
-#include "src/quads/reach_tips.hpp"
+#include "src/applications/quads/reach_tips.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>

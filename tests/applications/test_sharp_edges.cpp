@@ -1,5 +1,5 @@
 // The way along sharp edges, against all edges of the line at once.
-#include "src/quads/sharp_edges.hpp"
+#include "src/applications/quads/sharp_edges.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/quads/surface_walk.hpp"
+#include "src/applications/quads/surface_walk.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meshes.hpp"
 

@@ -1,8 +1,8 @@
 // Loops without a weight in the even design of a surface with boundary: kept where quads need them.
-#include "src/design/weight_search.hpp"
-#include "src/hierarchy/hierarchy.hpp"
-#include "src/curves/double_loops.hpp"
-#include "src/loops/surface_loops.hpp"
+#include "src/applications/design/weight_search.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
+#include "src/core/curves/double_loops.hpp"
+#include "src/applications/loops/surface_loops.hpp"
 #include "support/boundary.hpp"
 #include "support/surface.hpp"
 

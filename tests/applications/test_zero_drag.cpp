@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/api/foliation_object.hpp"
-#include "src/parameterize/harmonic_form.hpp"
-#include "src/parameterize/zero_drag.hpp"
+#include "src/core/api/foliation_object.hpp"
+#include "src/applications/parameterize/harmonic_form.hpp"
+#include "src/applications/parameterize/zero_drag.hpp"
 #include "support/meshes.hpp"
 #include "support/surface.hpp"
 

@@ -34,25 +34,25 @@ without_comments() { sed 's:/\*.*\*/::; /\/\*/,/\*\//d' "$@"; }
 
 # The interface that the headers in a folder declare: NAME.abi and NAME.constants.
 describe() { # folder with hmf/, name
-    local headers="$1/hmf/hmf.h $1/hmf/uses.h $1/hmf/pool.h" to=$2
+    local headers="$1/hmf/hmf.h $1/hmf/applications.h $1/hmf/pool.h" to=$2
     # shellcheck disable=SC2086
     {
         echo '#include <hmf/hmf.h>'
-        echo '#include <hmf/uses.h>'
+        echo '#include <hmf/applications.h>'
         echo '#include <hmf/pool.h>'
         cat $headers | tr '\n' ' ' | sed 's:/\*[^*]*\*\+\([^/*][^*]*\*\+\)*/: :g' | tr ';{}' '\n\n\n' |
             sed -n 's/.*HMF_API \(.*(.*)\) *$/\1 { __builtin_trap(); }/p'
     } > "$to.c"
     cc -std=c99 -g -O0 -fPIC -shared -Wl,-soname,"$soname" -I"$1" "$to.c" -o "$to.so" 2> "$to.log" || return 1
     abidw --no-corpus-path --no-comp-dir-path --no-show-locs "$to.so" --out-file "$to.abi" 2>> "$to.log" || return 1
-    echo '#include <hmf/uses.h>' | cc -std=c99 -I"$1" -dM -E - | sed -n 's/^#define \(HMF_[A-Z0-9_]* .*\)/\1/p' |
+    echo '#include <hmf/applications.h>' | cc -std=c99 -I"$1" -dM -E - | sed -n 's/^#define \(HMF_[A-Z0-9_]* .*\)/\1/p' |
         grep -vE '^HMF_(VERSION_[A-Z]*|API|[A-Z]*_H) ' | sort > "$to.constants"
     [ -s "$to.constants" ]
 }
 
 # Structures that begin with struct_size may grow at the end.
 growing() { # folder
-    without_comments "$1"/hmf/hmf.h "$1"/hmf/uses.h |
+    without_comments "$1"/hmf/hmf.h "$1"/hmf/applications.h |
         awk '/^typedef struct hmf_[a-z_]* \{/ { name = $3; next } name { if (/uint32_t struct_size;/) print name; name = "" }'
 }
 
@@ -130,17 +130,17 @@ changed() { # name, "breaks" or "allowed", file, sed expression
 }
 
 changed function-removed breaks hmf.h '/^HMF_API size_t hmf_genus/d'
-changed parameter-type breaks uses.h 's/^HMF_API hmf_status hmf_quads(const hmf_foliation \*foliation,/HMF_API hmf_status hmf_quads(const hmf_hierarchy *foliation,/'
+changed parameter-type breaks applications.h 's/^HMF_API hmf_status hmf_quads(const hmf_foliation \*foliation,/HMF_API hmf_status hmf_quads(const hmf_hierarchy *foliation,/'
 changed parameter-narrower breaks hmf.h 's/^HMF_API size_t hmf_level_count/HMF_API uint32_t hmf_level_count/'
 changed field-in-the-middle breaks hmf.h 's/^    double time_limit;/    double another;\n&/'
 changed fields-exchanged breaks hmf.h 's/^    uint64_t vertices;/    uint64_t EDGES;/; s/^    uint64_t edges;/    uint64_t vertices;/; s/EDGES/edges/'
 changed field-type breaks hmf.h 's/^    uint64_t stop_level;/    int64_t stop_level;/'
-changed field-removed breaks uses.h '/^    double unevenness_before;/d'
+changed field-removed breaks applications.h '/^    double unevenness_before;/d'
 changed element-grows breaks hmf.h 's/^} hmf_level_info;/    double another;\n&/'
 changed constant-value breaks hmf.h 's/^#define HMF_ERROR_MESH_GENUS 311/#define HMF_ERROR_MESH_GENUS 313/'
 changed constant-removed breaks hmf.h '/^#define HMF_COLLAPSE_ENDPOINT/d'
 changed function-added allowed hmf.h 's/^HMF_API size_t hmf_genus/HMF_API size_t hmf_another(const hmf_hierarchy *hierarchy);\n&/'
 changed options-grow allowed hmf.h 's/^} hmf_solve_options;/    double another;\n&/'
-changed result-grows allowed uses.h 's/^} hmf_quad_mesh;/    double another;\n&/'
+changed result-grows allowed applications.h 's/^} hmf_quad_mesh;/    double another;\n&/'
 changed constant-added allowed hmf.h 's/^#define HMF_ERROR_INTERNAL 900/&\n#define HMF_ERROR_ANOTHER 901/'
 exit $failed

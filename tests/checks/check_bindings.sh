@@ -86,7 +86,7 @@ quick_python() {
         return 0
     }
     mkdir -p "$work/package" && cp -r "$root/bindings/python/src/foliations" "$work/package" &&
-        "$python" "$packaging/declarations.py" "$headers/hmf.h" "$headers/uses.h" "$headers/pool.h" "$readers/readers.h" \
+        "$python" "$packaging/declarations.py" "$headers/hmf.h" "$headers/applications.h" "$headers/pool.h" "$readers/readers.h" \
             "$packaging/progress.c" "$work/_native.c" &&
         cc -O1 -fPIC -shared -I"$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')" -I"$root/include" -I"$readers" "$work/_native.c" \
             "$root/build/release/bindings/readers/libhmf_readers.a" "$root/build/release/libhmf.a" "$root/build/release/libhmf_pool.a" -lstdc++ -lm -lpthread \

@@ -1,6 +1,6 @@
 #!/bin/sh
-# hmf.h and uses.h compile alone and included twice, in every C standard and in
-# C++, and hmf.hpp and uses.hpp in C++17 and C++20, without a warning, with each
+# hmf.h and applications.h compile alone and included twice, in every C standard and in
+# C++, and hmf.hpp and applications.hpp in C++17 and C++20, without a warning, with each
 # compiler that is installed.
 # Prints a line "ok", "not ok" or "skip" for each check, as all check_*.sh do.
 set -u
@@ -19,8 +19,8 @@ hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error)
 }
 END
 cat > "$work/uses.c" <<'END'
-#include <hmf/uses.h>
-#include <hmf/uses.h>
+#include <hmf/applications.h>
+#include <hmf/applications.h>
 hmf_status use(const hmf_foliation *f, hmf_quad_mesh **out, hmf_error *error);
 hmf_status use(const hmf_foliation *f, hmf_quad_mesh **out, hmf_error *error)
 {
@@ -38,9 +38,9 @@ hmf::Solution use(const std::vector<double>& positions, const std::vector<uint32
     return solution.foliation.singularities()->count == 0 ? solution.foliation.relax() : std::move(solution);
 }
 END
-cat > "$work/uses.hpp.cpp" <<'END'
-#include <hmf/uses.hpp>
-#include <hmf/uses.hpp>
+cat > "$work/applications.hpp.cpp" <<'END'
+#include <hmf/applications.hpp>
+#include <hmf/applications.hpp>
 double use(const hmf::Foliation& foliation, const hmf::Loops& loops);
 double use(const hmf::Foliation& foliation, const hmf::Loops& loops)
 {
@@ -79,11 +79,11 @@ for cc in gcc clang; do
     done
 done
 
-# hmf.hpp and uses.hpp together leave out no function of hmf.h and uses.h, and name every choice.
+# hmf.hpp and applications.hpp together leave out no function of hmf.h and applications.h, and name every choice.
 complete() {
     missing=0
-    cat "$root/include/hmf/hmf.h" "$root/include/hmf/uses.h" > "$work/all.h"
-    cat "$root/include/hmf/hmf.hpp" "$root/include/hmf/uses.hpp" | sed 's|/\*.*\*/||' > "$work/code.hpp" # without comments
+    cat "$root/include/hmf/hmf.h" "$root/include/hmf/applications.h" > "$work/all.h"
+    cat "$root/include/hmf/hmf.hpp" "$root/include/hmf/applications.hpp" | sed 's|/\*.*\*/||' > "$work/code.hpp" # without comments
     for symbol in $(sed -n 's/^HMF_API .*[ *]\(hmf_[a-z_]*\)(.*/\1/p' "$work/all.h" | grep -v -e '^hmf_version$' -e '^hmf_status_string$') \
         $(sed -n 's/^#define \(HMF_\(COLLAPSE\|METHOD\|LEAVES\|LOOP\|LOOPS\|PROGRESS\)_[A-Z_]*\).*/\1/p' "$work/all.h"); do
         grep -qw "$symbol" "$work/code.hpp" || { echo "the C++ headers lack $symbol"; missing=1; }

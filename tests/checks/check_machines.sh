@@ -20,7 +20,7 @@ build() { # folder, compiler and flags: core and program, one folder for each ro
     rm -rf "$folder"
     mkdir -p "$folder" && cd "$folder" || return 1
     # shellcheck disable=SC2086
-    { printf '%s\n' "$root"/src/*/*.cpp | xargs -P "${JOBS:-$(nproc)}" -n 4 $1 -std=c++17 -I"$root/include" -c &&
+    { printf '%s\n' "$root"/src/*/*/*.cpp | xargs -P "${JOBS:-$(nproc)}" -n 4 $1 -std=c++17 -I"$root/include" -c &&
             $1 -x c++ -std=c++17 -I"$root/include" -c "$root/tests/checks/consumers/hashes.c" -o hashes_program.o &&
             $1 ./*.o $2 -o program; } > log 2>&1
     code=$?

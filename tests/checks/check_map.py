@@ -35,26 +35,32 @@ def report(name, problems):
     print(f"not ok {name}:" if problems else f"ok {name}", *problems, sep="\n    " if problems else "")
 
 
+def folder_of(path):
+    """core/NAME or applications/NAME"""
+    return path.parent.relative_to(SRC).as_posix() if path.is_relative_to(SRC) else ""
+
+
 def includes():
     """folder -> the other folders that its files include"""
     found = {}
-    for path in sorted(SRC.glob("*/*.[ch]pp")):
-        uses = found.setdefault(path.parent.name, set())
+    for path in sorted(SRC.glob("*/*/*.[ch]pp")):
+        uses = found.setdefault(folder_of(path), set())
         for name in re.findall(r'#include "([^"]+)"', path.read_text()):
-            folder = (path.parent / name).resolve().parent
-            if folder.parent == SRC and folder != path.parent:
-                uses.add(folder.name)
+            to = (path.parent / name).resolve()
+            if to.is_relative_to(SRC) and to.parent != path.parent:
+                uses.add(folder_of(to))
     return found
 
 
 def table():
     """folder, what it depends on, its budget of lines"""
-    return re.findall(r"^\| `(\w+)` \|([^|]*)\|\s*(\d+)\s*\|", MAP.read_text(), re.M)
+    return re.findall(r"^\| `(\w+/\w+)` \|([^|]*)\|\s*(\d+)\s*\|", MAP.read_text(), re.M)
 
 
 def folders(name):
     """A list of folders in CMakeLists.txt."""
-    return re.search(rf"set\({name}([^)]*)\)", (ROOT / "CMakeLists.txt").read_text()).group(1).split()
+    names = re.search(rf"set\(hmf_{name}_folders([^)]*)\)", (ROOT / "CMakeLists.txt").read_text()).group(1).split()
+    return [f"{'core' if name == 'core' else 'applications'}/{folder}" for folder in names]
 
 
 def reachable(graph, start):
@@ -77,7 +83,7 @@ def folder_problems():
             yield f"{folder} depends on itself, by {', '.join(sorted(uses))}"
             continue
         direct = {a for a in uses if not any(a in reachable(graph, b) for b in uses - {a})}
-        named = set(re.findall(r"\w+", rows.get(folder, "")))
+        named = set(re.findall(r"[\w/]+", rows.get(folder, "")))
         if folder in rows and named not in (direct, {"all"}):
             yield f"{folder} depends on {', '.join(sorted(direct))}; the table says {', '.join(sorted(named))}"
 
@@ -90,13 +96,13 @@ def budget_problems():
 
 
 def layer_problems():
-    core, applications = folders("hmf_core_folders"), folders("hmf_application_folders")
-    for folder in sorted({path.parent.name for path in SRC.glob("*/*.cpp")} ^ {*core, *applications}):
+    core, applications = folders("core"), folders("application")
+    for folder in sorted({folder_of(path) for path in SRC.glob("*/*/*.cpp")} ^ {*core, *applications}):
         yield f"{folder} is in the tree or in CMakeLists.txt only"
     for path in (path for folder in core for path in sorted((SRC / folder).glob("*.[ch]pp"))):
         for name in re.findall(r'#include "([^"]+)"', path.read_text()):
             to = (path.parent / name).resolve()
-            if to.parent.name in applications or to.name == "uses.h":
+            if folder_of(to) in applications or to.name == "applications.h":
                 yield f"{path.relative_to(ROOT)} includes {to.relative_to(ROOT)}"
 
 
@@ -147,7 +153,7 @@ def names_declared_by(text):
 
 def unity_problems():
     local, shared = {}, {}
-    for path in sorted(SRC.glob("*/*.[ch]pp")):
+    for path in sorted(SRC.glob("*/*/*.[ch]pp")):
         for names, into in zip(declared_names(path), (local, shared)):
             for name in names:
                 into.setdefault(name, []).append(path.relative_to(SRC).as_posix())
@@ -166,10 +172,10 @@ def name_problems():
                 yield f"{page.relative_to(ROOT)}: there is no {name}"
     picture = re.search(r"## Data flow\n((?: {4}.*\n|\n)+)", MAP.read_text()).group(1)
     for folder, name in re.findall(r"\b(\w+)/([a-z]\w*)\b", picture):
-        if folder != "include" and not any(SRC.glob(f"{folder}/{name}.*")):
+        if folder != "include" and not any(SRC.glob(f"*/{folder}/{name}.*")):
             yield f"src/README.md: there is no {folder}/{name}"
     for folder in re.findall(r"\b(\w+)/(?=\s)", picture):
-        if not (SRC / folder).is_dir():
+        if not any(SRC.glob(f"*/{folder}")):
             yield f"src/README.md: there is no folder {folder}"
 
 
@@ -194,7 +200,7 @@ def head_problems():
     def says(path):
         return path.read_text().startswith("//")
 
-    for path in sorted(SRC.glob("*/*.[ch]pp")):
+    for path in sorted(SRC.glob("*/*/*.[ch]pp")):
         header = re.match(r'(?://.*\n)*#include "([\w.]+)"', path.read_text())
         if not says(path) and not (header and says(path.parent / header.group(1))):
             yield f"{path.relative_to(ROOT)}: no head comment"

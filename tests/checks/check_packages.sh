@@ -185,7 +185,7 @@ other_wheel() { # pattern of the wheel, interpreter ...
     mkdir -p "$work/bits"
     cd "$work/bits" || return 1
     "$work/venv/bin/python" "$packaging/try_wheel.py" "$wheel" "$@" > "$work/other_wheel.txt" && cat "$work/other_wheel.txt" &&
-        c++ -std=c++17 -O2 -ffp-contract=off -I"$root/include" -c "$root"/src/*/*.cpp && cc -std=c99 -I"$root/include" "$root/bindings/same_bits/same_bits.c" ./*.o -lstdc++ -lm -o same_bits &&
+        c++ -std=c++17 -O2 -ffp-contract=off -I"$root/include" -c "$root"/src/*/*/*.cpp && cc -std=c99 -I"$root/include" "$root/bindings/same_bits/same_bits.c" ./*.o -lstdc++ -lm -o same_bits &&
         ./same_bits | diff - <(head -3 "$work/other_wheel.txt") && grep -q image.png "$work/other_wheel.txt"
 }
 # The Python of Debian for arm64, unpacked, for qemu.

@@ -63,7 +63,7 @@ for cxx in g++ clang++; do
         esac
         objects=$work/$name
         mkdir -p "$objects"
-        if ! (cd "$objects" && printf '%s\n' "$root"/src/*/*.cpp | xargs -P "${JOBS:-2}" -n 4 \
+        if ! (cd "$objects" && printf '%s\n' "$root"/src/*/*/*.cpp | xargs -P "${JOBS:-2}" -n 4 \
                 $cxx -std=c++17 $level -Wall -Wextra -Wconversion -Werror -I"$root/include" -c) > "$objects/log" 2>&1; then
             echo "not ok plain $name"
             grep -E ' (error|warning):' "$objects/log" | cut -c 1-200 | head -12

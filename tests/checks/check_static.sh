@@ -14,7 +14,7 @@ cd "$root" || exit 1
 
 if command -v clang-tidy > /dev/null; then
     rm -rf "$work/tidy" && mkdir -p "$work/tidy"
-    for source in src/*/*.cpp; do printf '%s\n' "$source"; done | xargs -P "$jobs" -I{} sh -c \
+    for source in src/*/*/*.cpp; do printf '%s\n' "$source"; done | xargs -P "$jobs" -I{} sh -c \
         'clang-tidy --quiet "$1" -- -std=c++17 -Iinclude > "$2/$(basename "$1").log" 2> /dev/null || echo "$1"' sh {} "$work/tidy" \
         > "$work/tidy-failed"
     if [ -s "$work/tidy-failed" ]; then
@@ -22,7 +22,7 @@ if command -v clang-tidy > /dev/null; then
         cat "$work"/tidy/*.log | grep -E ': (error|warning):' | sort -u | head -30
         failed=1
     else
-        echo "ok static clang-tidy: $(ls src/*/*.cpp | wc -l) files"
+        echo "ok static clang-tidy: $(ls src/*/*/*.cpp | wc -l) files"
     fi
 else
     echo "skip static clang-tidy (skipped: not installed)"
@@ -49,10 +49,10 @@ fi
 #                                    when it is read again; the analyzer of clang has these
 #   use-of-uninitialized-value       a loop over three coordinates may end before it began, it thinks; valgrind has it
 if command -v g++ > /dev/null && g++ -fanalyzer -E -x c++ - < /dev/null > /dev/null 2>&1; then
-    if printf '%s\n' src/*/*.cpp | xargs -P "$jobs" -n 1 \
+    if printf '%s\n' src/*/*/*.cpp | xargs -P "$jobs" -n 1 \
         g++ -std=c++17 -O2 -fanalyzer -Wno-analyzer-null-dereference -Wno-analyzer-null-argument \
         -Wno-analyzer-use-of-uninitialized-value -Werror -Iinclude -c -o /dev/null > "$work/gcc.log" 2>&1; then
-        echo "ok static gcc: $(ls src/*/*.cpp | wc -l) files"
+        echo "ok static gcc: $(ls src/*/*/*.cpp | wc -l) files"
     else
         echo "not ok static gcc"
         grep -E '(error|warning):' "$work/gcc.log" | sort -u | head -20
@@ -65,7 +65,7 @@ fi
 # Frames and calls as gcc sees them.
 if command -v g++ > /dev/null && command -v python3 > /dev/null; then
     rm -rf "$work/stack" && mkdir -p "$work/stack"
-    if (cd "$work/stack" && printf '%s\n' "$root"/src/*/*.cpp | xargs -P "$jobs" -n 4 \
+    if (cd "$work/stack" && printf '%s\n' "$root"/src/*/*/*.cpp | xargs -P "$jobs" -n 4 \
             g++ -std=c++17 -O2 -fcallgraph-info=su -I"$root/include" -c) > "$work/stack.log" 2>&1; then
         python3 "$root/tests/checks/stack_use.py" "$work/stack" || failed=1
     else

@@ -1,7 +1,7 @@
 #!/bin/sh
 # check_symbols.sh STATIC_LIBRARY [SHARED_LIBRARY]   default: a shared one linked of the objects of the static one
 #
-# The shared library exports exactly the functions of hmf.h and uses.h; the static one
+# The shared library exports exactly the functions of hmf.h and applications.h; the static one
 # has no other C symbol; it needs only the C and C++ runtime, of libm no function whose
 # last bit each system has of its own, and has no writable data, because there is no global state.
 set -u
@@ -28,7 +28,7 @@ report() { # name, file that is empty when all is well
 }
 
 # Declarations span lines, so comments and newlines go first.
-cat "$root/include/hmf/hmf.h" "$root/include/hmf/uses.h" | tr '\n' ' ' | sed 's:/\*[^*]*\*\+\([^/*][^*]*\*\+\)*/: :g' | tr ';{}' '\n\n\n' |
+cat "$root/include/hmf/hmf.h" "$root/include/hmf/applications.h" | tr '\n' ' ' | sed 's:/\*[^*]*\*\+\([^/*][^*]*\*\+\)*/: :g' | tr ';{}' '\n\n\n' |
     grep HMF_API | grep -o 'hmf_[a-z0-9_]* *(' | tr -d ' (' | sort -u > "$work/declared"
 [ -s "$work/declared" ] || echo "no declaration found in the headers" > "$work/empty"
 : >> "$work/empty"

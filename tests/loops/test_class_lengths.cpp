@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/hierarchy/caller_numbers.hpp"
-#include "src/loops/class_lengths.hpp"
-#include "src/loops/library_loops.hpp"
+#include "src/core/hierarchy/caller_numbers.hpp"
+#include "src/applications/loops/class_lengths.hpp"
+#include "src/applications/loops/library_loops.hpp"
 
 namespace test_class_lengths {
 

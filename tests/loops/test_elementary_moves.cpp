@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/disjoint_sets.hpp"
-#include "src/loops/class_lengths.hpp"
-#include "src/loops/dual_length.hpp"
-#include "src/loops/elementary_moves.hpp"
-#include "src/loops/hole_joins.hpp"
-#include "src/loops/loop_search.hpp"
-#include "src/loops/pants_component.hpp"
+#include "src/core/base/disjoint_sets.hpp"
+#include "src/applications/loops/class_lengths.hpp"
+#include "src/applications/loops/dual_length.hpp"
+#include "src/applications/loops/elementary_moves.hpp"
+#include "src/applications/loops/hole_joins.hpp"
+#include "src/applications/loops/loop_search.hpp"
+#include "src/applications/loops/pants_component.hpp"
 
 namespace test_elementary_moves {
 

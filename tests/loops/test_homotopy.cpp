@@ -1,7 +1,7 @@
 // Names of free homotopy classes: the same for all curves of a class, and for no
 // other.  Walks in the system of quads, and words where vertices are marked.
-#include "src/hierarchy/hierarchy.hpp"
-#include "src/cylinders/curve_classes.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
+#include "src/applications/cylinders/curve_classes.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meshes.hpp"
 #include "support/surface.hpp"

@@ -10,13 +10,13 @@
 #include <cstdlib>
 #include <map>
 
-#include "src/base/disjoint_sets.hpp"
-#include "src/loops/carry_loops.hpp"
-#include "src/curves/cut_surface.hpp"
-#include "src/curves/disjoint.hpp"
-#include "src/loops/handle_system.hpp"
-#include "src/loops/library_loops.hpp"
-#include "src/loops/linking.hpp"
+#include "src/core/base/disjoint_sets.hpp"
+#include "src/applications/loops/carry_loops.hpp"
+#include "src/core/curves/cut_surface.hpp"
+#include "src/core/curves/disjoint.hpp"
+#include "src/applications/loops/handle_system.hpp"
+#include "src/applications/loops/library_loops.hpp"
+#include "src/applications/loops/linking.hpp"
 
 namespace test_library_loops {
 

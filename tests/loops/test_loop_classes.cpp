@@ -22,10 +22,10 @@
 #include <numeric>
 #include <random>
 
-#include "src/hierarchy/caller_numbers.hpp"
-#include "src/homotopy/curve_words.hpp"
-#include "src/loops/closed_geodesic.hpp"
-#include "src/loops/library_loops.hpp"
+#include "src/core/hierarchy/caller_numbers.hpp"
+#include "src/core/homotopy/curve_words.hpp"
+#include "src/applications/loops/closed_geodesic.hpp"
+#include "src/applications/loops/library_loops.hpp"
 
 namespace test_loop_classes {
 

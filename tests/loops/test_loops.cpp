@@ -7,14 +7,14 @@
 #include <cstring>
 #include <set>
 
-#include "src/base/cyclic.hpp"
-#include "src/base/disjoint_sets.hpp"
-#include "src/loops/closed_geodesic.hpp"
-#include "src/curves/cut_surface.hpp"
-#include "src/curves/disjoint.hpp"
-#include "src/loops/dual_length.hpp"
-#include "src/loops/find_loops.hpp"
-#include "src/loops/signatures.hpp"
+#include "src/core/base/cyclic.hpp"
+#include "src/core/base/disjoint_sets.hpp"
+#include "src/applications/loops/closed_geodesic.hpp"
+#include "src/core/curves/cut_surface.hpp"
+#include "src/core/curves/disjoint.hpp"
+#include "src/applications/loops/dual_length.hpp"
+#include "src/applications/loops/find_loops.hpp"
+#include "src/applications/loops/signatures.hpp"
 #include "support/make_mesh.hpp"
 #include "support/sample.hpp"
 

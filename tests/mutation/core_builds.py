@@ -39,7 +39,7 @@ class Core:
         self.linker = compiler
         self.library = self.folder / "libcore.so"
         self.programs_folder = self.folder / "programs"
-        self.sources = sorted(str(p.relative_to(self.tree)) for p in self.tree.glob("src/*/*.cpp"))
+        self.sources = sorted(str(p.relative_to(self.tree)) for p in self.tree.glob("src/*/*/*.cpp"))
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def object(self, source):

@@ -203,7 +203,7 @@ def draw(seed):
     def place(*texts):
         return hashlib.sha256("\t".join([str(seed), *texts]).encode()).hexdigest()
     rounds = []
-    for path in [*ROOT.glob("src/*/*.cpp"), *ROOT.glob("src/*/*.hpp")]:
+    for path in [*ROOT.glob("src/*/*/*.cpp"), *ROOT.glob("src/*/*/*.hpp")]:
         file, kinds = str(path.relative_to(ROOT)), {}
         for kind, defect in sorted(of_file(file), key=lambda d: place(*d[1].key)):
             kinds.setdefault(kind, []).append(defect)

@@ -1,6 +1,6 @@
 #include "boundary.hpp"
 
-#include "../../src/api/foliation_object.hpp"
+#include "../../src/core/api/foliation_object.hpp"
 
 #include <gtest/gtest.h>
 

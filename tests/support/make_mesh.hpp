@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "../../src/mesh/mesh.hpp"
+#include "../../src/core/mesh/mesh.hpp"
 
 namespace test {
 

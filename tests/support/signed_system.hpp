@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "../src/linear/signed_matrix.hpp"
+#include "../src/core/linear/signed_matrix.hpp"
 
 namespace linear {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "../../src/foliation/whitehead.hpp"
+#include "../../src/core/foliation/whitehead.hpp"
 
 namespace test {
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <hmf/hmf.h>
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <functional>
 #include <memory>

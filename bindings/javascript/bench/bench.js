@@ -28,10 +28,10 @@ function readObj(path) {
 
 function native(folder) {
     const program = join(folder, 'native');
-    const core = readdirSync(join(root, 'src'), { withFileTypes: true }).filter(entry => entry.isDirectory())
-        .flatMap(entry => readdirSync(join(root, 'src', entry.name)).filter(name => name.endsWith('.cpp')).map(name => join(root, 'src', entry.name, name)));
+    const folders = ['core', 'applications'].flatMap(layer => readdirSync(join(root, 'src', layer)).map(name => join(root, 'src', layer, name)));
+    const sources = folders.flatMap(folder => readdirSync(folder).filter(name => name.endsWith('.cpp')).map(name => join(folder, name)));
     execFileSync(process.env.CXX ?? 'c++', ['-std=c++17', '-O3', '-DNDEBUG', '-ffp-contract=off', '-fno-exceptions', '-fno-rtti', '-I', join(root, 'include'),
-        ...core, fileURLToPath(new URL('native.cpp', import.meta.url)), '-o', program]);
+        ...sources, fileURLToPath(new URL('native.cpp', import.meta.url)), '-o', program]);
     return mesh => {
         const file = join(folder, 'mesh'), counts = BigUint64Array.of(BigInt(mesh.positions.length / 3), BigInt(mesh.triangles.length / 3));
         writeFileSync(file, Buffer.concat([counts, mesh.positions, mesh.triangles].map(array => new Uint8Array(array.buffer, array.byteOffset, array.byteLength))));

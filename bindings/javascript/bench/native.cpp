@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 namespace {
 

@@ -14,7 +14,7 @@ import { statusName } from './error.js';
 
 export { HmfError } from './error.js';
 
-// What one does with a foliation (uses.h), apart from what it is like (hmf.h).
+// What one does with a foliation (applications.h), apart from what it is like (hmf.h).
 for (const [name, use] of Object.entries({ parameterize, trace, cylinders, quads, atlas }))
     Object.defineProperty(Foliation.prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
 

@@ -1,4 +1,4 @@
-// The binding against hmf.h and uses.h: whatever is new or different there fails here.
+// The binding against hmf.h and applications.h: whatever is new or different there fails here.
 // dist/layout.js is made by the build; these tests read the headers themselves.
 import assert from 'node:assert/strict';
 import { readFileSync, readdirSync } from 'node:fs';
@@ -7,7 +7,7 @@ import { constants, functions, structures } from '../dist/layout.js';
 import { load } from '../lib/index.js';
 
 const read = path => readFileSync(new URL(path, import.meta.url), 'utf8');
-const header = ['hmf', 'uses'].map(name => read(`../../../include/hmf/${name}.h`)).join('\n').replace(/\/\*[\s\S]*?\*\//g, ' ');
+const header = ['hmf', 'applications'].map(name => read(`../../../include/hmf/${name}.h`)).join('\n').replace(/\/\*[\s\S]*?\*\//g, ' ');
 const sources = readdirSync(new URL('../lib/', import.meta.url), { recursive: true }).filter(name => name.endsWith('.js')).map(name => read(`../lib/${name}`)).join('\n');
 const types = read('../lib/index.d.ts') + read('../dist/options.d.ts');
 
@@ -73,7 +73,7 @@ test('a status of each kind has its name and text', async () => {
     }
 });
 
-test('files import without circles, and what hmf.h has without what uses.h has', () => {
+test('files import without circles, and what hmf.h has without what applications.h has', () => {
     const lib = new URL('../lib/', import.meta.url), imports = url => [...readFileSync(url, 'utf8').matchAll(/from '(\.[^']+)'/g)].map(([, path]) => new URL(path, url).href);
     const visit = (url, above) => {
         assert.ok(!above.includes(url), [...above, url].join(' -> '));

@@ -1,4 +1,4 @@
-"""Makes the low-level module foliations._native from include/hmf/hmf.h, uses.h, pool.h, and readers.h of the readers.
+"""Makes the low-level module foliations._native from include/hmf/hmf.h, applications.h, pool.h, and readers.h of the readers.
 
     python declarations.py HEADER ... PROGRESS.c OUTPUT.c
 

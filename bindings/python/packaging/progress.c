@@ -5,7 +5,7 @@
  * switch of threads.
  */
 #include <hmf/pool.h>
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include "readers.h"
 

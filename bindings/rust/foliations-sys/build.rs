@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
     let root = [here.join("core"), here.join("../../..")]
         .into_iter()
-        .find(|root| root.join("src/api").is_dir() && root.join("include/hmf/hmf.h").is_file())
+        .find(|root| root.join("src/core").is_dir() && root.join("include/hmf/hmf.h").is_file())
         .ok_or("the C++ sources of hmf are missing; take the whole repository or the published crate")?
         .canonicalize()?;
     let (sources, include) = (root.join("src"), root.join("include"));

@@ -6,7 +6,7 @@
    A surface is the boundary of a plate of voxels with holes, its vertices
    shifted by less than a quarter of an edge: integers over 4096, so that the
    input is the same everywhere.  An open one has no faces below. */
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* A user of the installed library: the five calls on a torus.  Prints a
    checksum of the bits of the result, which depends on nothing else. */
-#include <hmf/uses.h>
+#include <hmf/applications.h>
 
 #include <stdio.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 // Queues, sets and numbers that the stages build on, against those of the standard library or exact arithmetic.
-#include "src/base/disjoint_sets.hpp"
-#include "src/base/heap_sort.hpp"
-#include "src/base/nearest_first.hpp"
-#include "src/base/two_doubles.hpp"
+#include "src/core/base/disjoint_sets.hpp"
+#include "src/core/base/heap_sort.hpp"
+#include "src/core/base/nearest_first.hpp"
+#include "src/core/base/two_doubles.hpp"
 
 #include <gtest/gtest.h>
 

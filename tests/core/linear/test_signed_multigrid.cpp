@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "src/linear/signed_multigrid.hpp"
+#include "src/core/linear/signed_multigrid.hpp"
 #include "support/signed_system.hpp"
 #include "support/unruly_threads.hpp"
 

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "src/linear/dense_factor.hpp"
-#include "src/linear/sparse_factor.hpp"
+#include "src/core/linear/dense_factor.hpp"
+#include "src/core/linear/sparse_factor.hpp"
 #include "support/signed_system.hpp"
 
 namespace test_sparse_factor {

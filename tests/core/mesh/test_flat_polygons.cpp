@@ -1,8 +1,8 @@
 // Triangulations far from Delaunay of surfaces that have a good one: flips one by one would need the square of their
 // size, polygons are triangulated at once.  The surface is the same, and so is the energy.
-#include "src/hierarchy/hierarchy.hpp"
-#include "src/mesh/intrinsic.hpp"
-#include "src/mesh/polygon_delaunay.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
+#include "src/core/mesh/intrinsic.hpp"
+#include "src/core/mesh/polygon_delaunay.hpp"
 #include "support/extreme_surfaces.hpp"
 #include "support/implicit_surface.hpp"
 #include "support/sample.hpp"

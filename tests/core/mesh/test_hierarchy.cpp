@@ -1,10 +1,10 @@
 // The hierarchy from the inside: validation, exact reversal, numbering,
 // Delaunay property, memory, cancellation.
-#include "src/hierarchy/hierarchy.hpp"
-#include "src/hierarchy/simplify.hpp"
-#include "src/mesh/mesh_copy.hpp"
-#include "src/mesh/spatial_order.hpp"
-#include "src/mesh/weights.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
+#include "src/core/hierarchy/simplify.hpp"
+#include "src/core/mesh/mesh_copy.hpp"
+#include "src/core/mesh/spatial_order.hpp"
+#include "src/core/mesh/weights.hpp"
 #include "support/meshes.hpp"
 
 #include <gtest/gtest.h>

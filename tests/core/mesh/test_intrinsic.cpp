@@ -1,8 +1,8 @@
 // Any closed mesh: after bad treatment of good meshes the intrinsic weights of
 // level 0 are not negative, and the foliation is found to the tolerance.
-#include "src/foliation/whitehead.hpp"
-#include "src/hierarchy/hierarchy.hpp"
-#include "src/mesh/intrinsic.hpp"
+#include "src/core/foliation/whitehead.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
+#include "src/core/mesh/intrinsic.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>

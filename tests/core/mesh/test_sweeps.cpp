@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/foliation/whitehead.hpp"
+#include "src/core/foliation/whitehead.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meshes.hpp"
 

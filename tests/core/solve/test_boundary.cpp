@@ -1,7 +1,7 @@
 // Surfaces with boundary: closed forms, the linear problem, loops of the library, random arcs.
-#include "src/api/foliation_object.hpp"
-#include "src/curves/double_loops.hpp"
-#include "src/loops/surface_loops.hpp"
+#include "src/core/api/foliation_object.hpp"
+#include "src/core/curves/double_loops.hpp"
+#include "src/applications/loops/surface_loops.hpp"
 #include "support/boundary.hpp"
 #include "support/sample.hpp"
 

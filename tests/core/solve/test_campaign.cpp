@@ -23,8 +23,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "src/api/foliation_object.hpp"
-#include "src/solve/twisted_model.hpp"
+#include "src/core/api/foliation_object.hpp"
+#include "src/core/solve/twisted_model.hpp"
 
 namespace test_campaign {
 

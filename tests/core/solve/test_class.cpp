@@ -1,8 +1,8 @@
 // The certificate of the class: that it says yes to results in the class of
 // their loops, no to others, and that no solve ends in another class unnoticed.
 // Random problems with three hierarchies each: test_campaign.cpp.
-#include "src/loops/library_loops.hpp"
-#include "src/solve/solve.hpp"
+#include "src/applications/loops/library_loops.hpp"
+#include "src/core/solve/solve.hpp"
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
 

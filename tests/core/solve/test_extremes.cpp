@@ -12,8 +12,8 @@
 #include <map>
 #include <numeric>
 
-#include "src/api/foliation_object.hpp"
-#include "src/foliation/coarser_unit.hpp"
+#include "src/core/api/foliation_object.hpp"
+#include "src/core/foliation/coarser_unit.hpp"
 
 namespace test_extremes {
 

@@ -1,14 +1,14 @@
-// Parts of a unit: where a residual above the tolerance is the rounding to one (src/solve/fraction.hpp).
+// Parts of a unit: where a residual above the tolerance is the rounding to one (src/core/solve/fraction.hpp).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "src/api/foliation_object.hpp"
-#include "src/solve/fraction.hpp"
-#include "src/solve/solve.hpp"
-#include "src/solve/twisted_model.hpp"
+#include "src/core/api/foliation_object.hpp"
+#include "src/core/solve/fraction.hpp"
+#include "src/core/solve/solve.hpp"
+#include "src/core/solve/twisted_model.hpp"
 #include "support/small_surface.hpp"
 #include "support/surface.hpp"
 

@@ -1,6 +1,6 @@
-// hmf.hpp and uses.hpp: the classes give what the C calls give, failures become exceptions,
+// hmf.hpp and applications.hpp: the classes give what the C calls give, failures become exceptions,
 // and exceptions of a progress function pass through.
-#include <hmf/uses.hpp>
+#include <hmf/applications.hpp>
 
 #include "support/meshes.hpp"
 

@@ -1,6 +1,6 @@
 // Marked vertices: exact solutions, the branched double cover, indices on all
 // levels, loops that go round them, leaves and parameterisation.
-#include "src/hierarchy/hierarchy.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
 #include "support/read_obj.hpp"
 #include "support/sample.hpp"
 #include "support/surface.hpp"

@@ -13,14 +13,14 @@
 #include <random>
 #include <vector>
 
-#include "src/base/disjoint_sets.hpp"
-#include "src/foliation/whitehead.hpp"
-#include "src/parameterize/flat_surface.hpp"
-#include "src/parameterize/parameterization.hpp"
-#include "src/parameterize/seams.hpp"
-#include "src/solve/fraction.hpp"
-#include "src/solve/part_system.hpp"
-#include "src/solve/twisted_model.hpp"
+#include "src/core/base/disjoint_sets.hpp"
+#include "src/core/foliation/whitehead.hpp"
+#include "src/applications/parameterize/flat_surface.hpp"
+#include "src/applications/parameterize/parameterization.hpp"
+#include "src/applications/parameterize/seams.hpp"
+#include "src/core/solve/fraction.hpp"
+#include "src/core/solve/part_system.hpp"
+#include "src/core/solve/twisted_model.hpp"
 #include "support/make_mesh.hpp"
 
 namespace test_newton_parts {

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <thread>
 
-#include "src/base/parallel.hpp"
+#include "src/core/base/parallel.hpp"
 #include "support/meter.hpp"
 #include "support/sample.hpp"
 #include "support/story.hpp"

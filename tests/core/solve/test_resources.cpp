@@ -2,8 +2,8 @@
 // the interface: the n-th allocation fails, the n-th progress call cancels, the
 // memory limit; no memory is lost, and nothing is given.  Lifetimes, and the
 // same bits twice and from many threads.
-#include "src/api/result.hpp"
-#include "src/hierarchy/hierarchy.hpp"
+#include "src/core/api/result.hpp"
+#include "src/core/hierarchy/hierarchy.hpp"
 #include "support/meter.hpp"
 #include "support/sample.hpp"
 #include "support/story.hpp"

@@ -1,6 +1,6 @@
 // Values from outside as the start of a solve: the same minimum, with no more
 // linear solves than from loops.
-#include "src/solve/state.hpp"
+#include "src/core/solve/state.hpp"
 #include "support/boundary.hpp"
 #include "support/surface.hpp"
 

@@ -3,11 +3,11 @@
 //!
 //! This crate compiles the library from its C++ sources, with the C++ compiler
 //! that the `cc` crate finds. The items are those of the C headers `hmf.h` and
-//! `uses.h`, under the same names; the headers are their manual:
+//! `applications.h`, under the same names; the headers are their manual:
 //!
 #![doc = concat!("```c\n", include_str!(concat!(env!("HMF_HEADERS"), "/hmf/hmf.h")), "```")]
 //!
-#![doc = concat!("```c\n", include_str!(concat!(env!("HMF_HEADERS"), "/hmf/uses.h")), "```")]
+#![doc = concat!("```c\n", include_str!(concat!(env!("HMF_HEADERS"), "/hmf/applications.h")), "```")]
 //!
 #![no_std]
 #![allow(non_camel_case_types)]

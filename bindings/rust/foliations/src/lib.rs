@@ -14,7 +14,7 @@ mod foliation;
 mod hierarchy;
 mod loops;
 mod solve;
-// What uses.h has.
+// What applications.h has.
 mod uses;
 
 pub use components::{Component, ComponentSolution, ComponentSolutions, Components};

@@ -1,8 +1,8 @@
-// A user of the installed hmf.hpp and uses.hpp: objects and exceptions between two files.
+// A user of the installed hmf.hpp and applications.hpp: objects and exceptions between two files.
 #include "other.hpp"
 
 #include <cstdio>
-#include <hmf/uses.hpp>
+#include <hmf/applications.hpp>
 
 int main() {
     const hmf::Hierarchy hierarchy = build();

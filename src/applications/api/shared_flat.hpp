@@ -1,0 +1,22 @@
+// The flat surface of a foliation.  It takes two linear solves and several applications need it, so it is
+// computed once and kept.
+#pragma once
+
+#include "../parameterize/flat_surface.hpp"
+#include "../../core/api/foliation_object.hpp"
+
+namespace hmf {
+
+struct SharedFlat : Kept {
+    Memory memory;
+    FlatSurface flat; // on the caller's side of the level
+    // used: what counts towards the limit beside it.
+    SharedFlat(const hmf_hierarchy& h, uint64_t used);
+};
+
+// What is kept with a foliation that is a minimum to 1e-8; out is NULL for
+// others, whose flat surface depends on how they are improved first.  Any
+// number of threads may ask: one result is kept, the others are freed.
+[[nodiscard]] hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out);
+
+} // namespace hmf

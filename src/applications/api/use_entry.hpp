@@ -1,0 +1,68 @@
+// What the calls of applications.h begin with.
+#pragma once
+
+#include "../../../include/hmf/applications.h"
+
+#include "../../core/hierarchy/caller_numbers.hpp"
+#include "../../core/leaves/cylinders.hpp"
+#include "../../core/solve/double_reflection.hpp"
+#include "shared_flat.hpp"
+
+namespace hmf {
+
+// Default, relative: how far from harmonic a foliation may be to be unfolded.
+constexpr double HARMONIC_TOLERANCE = 1e-2;
+
+// A call on a foliation without poles.
+class UseEntry : public Entry {
+public:
+    UseEntry(const hmf_foliation* foliation, const hmf_control* control, hmf_error* error) :
+        Entry(foliation ? foliation->hierarchy : nullptr, control, error), foliation_(foliation) {}
+    template <class Result>
+    hmf_status check(Result** out) {
+        if (Entry::check(foliation_ ? foliation_->hierarchy : nullptr, out)) return call.status();
+        return check_foliation(foliation_, call);
+    }
+
+private:
+    const hmf_foliation* foliation_;
+};
+
+// The foliation on the caller's side of its level, with the order in which the
+// caller numbers vertices and faces, and its cylinders.
+struct Leaves {
+    State state;
+    Array<uint32_t> face_order;
+    const uint32_t* vertices = nullptr;
+    const uint32_t* faces = nullptr;
+    Cylinders cylinders;
+
+    // reflection: filled on level 0 of a double, whose clusters on the boundary are then taken apart; NULL: not wanted.
+    [[nodiscard]] hmf_status load(const hmf_foliation& f, Call& call, Reflection* reflection = nullptr);
+};
+
+// The flat surface of a foliation on the caller's side: the one that is kept with
+// it, or one of its own after improve(state, unit), which leaves residuals of at most `residual`.
+struct FlatOf {
+    const FlatSurface* flat = nullptr;
+    double unit = 1;
+
+    template <class Improve>
+    hmf_status find(const hmf_foliation& foliation, Entry& entry, double residual, Improve improve) {
+        Call& call = entry.call;
+        unit = foliation.unit;
+        if (const hmf_status status = shared_flat(foliation, entry, flat)) return status;
+        if (flat) return HMF_OK;
+        flat = &own_;
+        State state;
+        if (load_solved_in_unit_of_values(foliation, state, call) || improve(state, unit)
+            || flat_surface(state, residual, own_, call))
+            return call.status();
+        return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
+    }
+
+private:
+    FlatSurface own_;
+};
+
+} // namespace hmf

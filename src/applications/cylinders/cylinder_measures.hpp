@@ -1,0 +1,36 @@
+// What belongs to a cylinder at the minimum: circumference, modulus, area, and
+// the loop whose class it fills.
+//
+// Cylinders of the caller's side, of the side where the foliation is solved, and
+// loops are told apart by their free homotopy classes (curve_classes.hpp), with
+// marked vertices on the surface without them.
+#pragma once
+
+#include "../../../include/hmf/applications.h"
+#include "../../core/curves/loops.hpp"
+#include "../../core/leaves/cylinders.hpp"
+#include "../../core/solve/state.hpp"
+
+namespace hmf {
+
+// A foliation on its level (level 0: the caller's side) and its cylinders.
+struct GivenCylinders {
+    const State& state;
+    Cylinders& cylinders;
+    double unit; // of the values
+};
+
+struct GivenWeights {
+    size_t level;
+    const Loops& loops; // on the caller's side of the level
+    const Array<int64_t>& weights;
+    double unit; // of the weights
+};
+
+// Fills circumference, modulus and area, and loop unless loops is NULL.
+// solved: the same foliation where it is solved, at the minimum; unit: of its
+// values.  The heights in out are there.
+[[nodiscard]] hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved,
+                                           double unit, Array<hmf_cylinder>& out, Call& call);
+
+} // namespace hmf

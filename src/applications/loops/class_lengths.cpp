@@ -1,0 +1,357 @@
+#include "class_lengths.hpp"
+
+#include "carry_loops.hpp"
+#include "../../core/curves/disjoint.hpp"
+#include "library_loops.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000; // at least, if there are so many
+constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 64;              // of a class
+constexpr double SAME = 1e-4;                                           // shorter by less: one curve
+// Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
+// circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
+constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
+constexpr size_t LENGTH_ROUNDS = 100;
+constexpr double OTHER_CLASS = 0.01;              // relative: another strip, or another length where it was found
+constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
+constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
+
+} // namespace
+
+ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care) :
+    hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, found)), position_(hierarchy.levels[found].position),
+    call_(call), care_(care), found_(found), level_(found), geodesic_(mesh_, position_, 0, call),
+    dual_length_(mesh_, position_) {
+    while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
+    finest_ = level_;
+    while (finest_ > 0 && hierarchy.levels[finest_].mesh.vertex_count < FINEST_VERTICES) --finest_;
+}
+
+ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
+    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, 0, call),
+    dual_length_(mesh, position) {}
+
+Done ClassLengths::start() {
+    Memory& memory = call_.memory;
+    started_ = true;
+    classes_.start(memory);
+    crossings_.start(memory);
+    loop_.start(memory);
+    start_.start(memory);
+    curves_.start(memory);
+    name_.start(memory);
+    letters_.start(memory);
+    measure_extent();
+    if (!strip_length_.allocate_filled(memory, mesh_.edge_count, -1.0)) return false;
+    if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
+        return false;
+    if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
+    return words_.start(mesh_, mesh_.edge_count, call_);
+}
+
+// The box of the surface.
+void ClassLengths::measure_extent() {
+    double highest[3] = {0, 0, 0};
+    for (size_t v = 0; v < mesh_.vertex_count; ++v)
+        for (size_t a = 0; a < 3; ++a) {
+            const double x = position_[3 * v + a] / geodesic_.scale();
+            if (v == 0 || x < lowest_[a]) lowest_[a] = x;
+            if (v == 0 || x > highest[a]) highest[a] = x;
+        }
+    for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? TILT[a] / (highest[a] - lowest_[a]) : 0;
+}
+
+// Its name to name_, and the number of its class, NONE if it is new, then with its place in the table.
+Done ClassLengths::find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place) {
+    name_.clear();
+    if (!words_.name(
+            mesh_, 0, n, [&](uint64_t i) { return crossings[i]; }, name_))
+        return false;
+    name_hash_ = name_.size();
+    for (const uint32_t letter : name_) {
+        name_hash_ = (name_hash_ ^ letter) * 0x9e3779b97f4a7c15u;
+        name_hash_ ^= name_hash_ >> 29;
+    }
+    const auto is_named = [&](const Class& c) {
+        return c.name_end - c.name == name_.size() && std::equal(name_.begin(), name_.end(), letters_.data() + c.name);
+    };
+    place = static_cast<size_t>(name_hash_) & (table_.size() - 1);
+    while (table_[place] != NONE && !is_named(classes_[table_[place]])) place = (place + 1) & (table_.size() - 1);
+    id = table_[place];
+    return true;
+}
+
+Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
+                        size_t n, bool widely, Class& c) {
+    loop_.clear();
+    for (size_t i = 0; i < n; ++i)
+        if (!loop_.push(crossings[i])) return false;
+    if (!(widely ? geodesic.straighten_widely(loop_, LENGTH_ROUNDS, c.length)
+                 : geodesic.straighten(loop_, LENGTH_ROUNDS, c.length)))
+        return false;
+    // Mean place of the curve.
+    const Array<double>& shares = geodesic.shares();
+    const auto crossing = [&](size_t i, double* to) {
+        const uint32_t h = loop_[i];
+        const double* const from = position + 3 * size_t{mesh.origin[h]};
+        const double* const end = position + 3 * size_t{mesh.target(h)};
+        for (size_t a = 0; a < 3; ++a)
+            to[a] = (1 - shares[i]) * (from[a] / geodesic.scale()) + shares[i] * (end[a] / geodesic.scale());
+    };
+    double before[3], here[3], sum = 0, total = 0;
+    crossing(loop_.size() - 1, before);
+    for (size_t i = 0; i < loop_.size(); ++i) {
+        crossing(i, here);
+        double square = 0, place = 0;
+        for (size_t a = 0; a < 3; ++a) {
+            square += (here[a] - before[a]) * (here[a] - before[a]);
+            place += tilt_[a] * ((here[a] + before[a]) / 2 - lowest_[a]);
+            before[a] = here[a];
+        }
+        sum += std::sqrt(square) * place;
+        total += std::sqrt(square);
+    }
+    const double n_left = static_cast<double>(loop_.size());
+    c.doubt = DOUBT_ROUND / (n_left * n_left);
+    if (total > 0) c.length *= 1 + sum / total;
+    return true;
+}
+
+Done ClassLengths::grow_table() {
+    Array<uint32_t> table;
+    if (!table.allocate_filled(call_.memory, 4 * table_.size(), NONE)) return false;
+    for (uint32_t id = 0; id < classes_.size(); ++id) {
+        size_t i = static_cast<size_t>(classes_[id].hash) & (table.size() - 1);
+        while (table[i] != NONE) i = (i + 1) & (table.size() - 1);
+        table[i] = id;
+    }
+    table_.swap(table);
+    return true;
+}
+
+double ClassLengths::strip_length(const uint32_t* crossings, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double& length = strip_length_[edge_of(crossings[i])];
+        if (length < 0) length = dual_length_(edge_of(crossings[i]));
+        sum += length;
+    }
+    return sum;
+}
+
+Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
+    if (care_ == LoopCare::quick) {
+        id = 0;
+        return true;
+    }
+    if (!started_ && !start()) return false;
+    size_t place = 0;
+    if (!find_class(crossings, n, id, place)) return false;
+    const double strip = strip_length(crossings, n);
+    if (id != NONE && !(strip < classes_[id].strip * (1 - OTHER_CLASS))) {
+        // Another strip of a class may lead to another of its geodesics.  A shorter one is always pulled.  Of the
+        // others the first ones are, unless half of one is the same; with marked vertices, on which they may hang,
+        // unless all of it is.
+        const bool marked = mesh_.marked_count > 0;
+        const Class& c = classes_[id];
+        size_t met = 0;
+        ++visit_;
+        for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
+        for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
+        if (c.starts >= (marked ? MOST_MARKED_STARTS : MOST_STARTS) || (marked ? met == n : 2 * met >= n)) return true;
+    }
+    Class made{};
+    made.starts = 1;
+    made.stage = stage_where_found();
+    if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
+    Curve curve{};
+    if (id != NONE) {
+        Class& c = classes_[id];
+        if (c.starts < UINT8_MAX) ++c.starts;
+        c.strip = std::min(c.strip, strip);
+        if (c.stage != made.stage && made.length < c.found * (1 - OTHER_CLASS)) { // a longer one was measured
+            c.stage = made.stage;
+            c.length = HUGE_VAL;
+            c.wanted = true;
+            c.wide = false;
+            c.last = NONE;
+        }
+        if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
+        if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
+        curve.before = c.last;
+        c.last = static_cast<uint32_t>(curves_.size());
+        c.found = std::min(c.found, made.length);
+        if (made.length < c.length * (1 - SAME)) {
+            c.first = curve.first;
+            c.end = curve.end;
+            c.length = made.length;
+            c.doubt = made.doubt;
+        }
+        return curves_.push(curve) && (!c.wide || look_beside(c));
+    }
+    id = static_cast<uint32_t>(classes_.size());
+    if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
+    curve.before = NONE;
+    made.found = made.length;
+    made.strip = strip;
+    made.first = curve.first;
+    made.end = curve.end;
+    made.last = static_cast<uint32_t>(curves_.size());
+    made.hash = name_hash_;
+    made.name = letters_.size();
+    made.name_end = made.name + name_.size();
+    for (const uint32_t letter : name_)
+        if (!letters_.push(letter)) return false;
+    if (!curves_.push(curve) || !classes_.push(made)) return false;
+    table_[place] = id;
+    return 2 * classes_.size() < table_.size() || grow_table();
+}
+
+// The strip that was pulled straight, or, if that is not simple, the one that it was.
+Done ClassLengths::keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end) {
+    bool simple = false;
+    one_.keep_first(0);
+    if (!one_.add(loop_) || !disjoint(mesh_, one_, 0, 1, curve_, nullptr, call_, simple)) return false;
+    first = crossings_.size();
+    for (size_t k = 0; k < (simple ? loop_.size() : n); ++k)
+        if (!crossings_.push(simple ? loop_[k] : crossings[k])) return false;
+    end = crossings_.size();
+    return true;
+}
+
+// From each of its curves, unless it is known on a finer level, where lengths are others.
+Done ClassLengths::look_beside(Class& c) {
+    for (; c.last != NONE && c.stage == stage_where_found(); c.last = curves_[c.last].before) {
+        const Curve curve = curves_[c.last];
+        Array<uint32_t>& from = start_;
+        from.clear();
+        for (uint64_t k = curve.first; k < curve.end; ++k)
+            if (!from.push(crossings_[k])) return false;
+        Class found = c;
+        if (!pull(geodesic_, mesh_, position_, from.data(), from.size(), true, found)) return false;
+        if (found.length >= c.length * (1 - SAME)) continue;
+        if (!keep_curve(from.data(), from.size(), found.first, found.end)) return false;
+        const uint32_t last = c.last;
+        found.found = found.length;
+        c = found;
+        c.last = last;
+    }
+    c.wide = true;
+    return true;
+}
+
+Done ClassLengths::look_beside(const uint32_t* ids, size_t n) {
+    if (care_ == LoopCare::quick || n == 0) return true;
+    for (;;) {
+        size_t best = 0;
+        for (size_t i = 1; i < n; ++i)
+            if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;
+        // The best first: others may be out of reach then.
+        size_t next = best;
+        for (size_t i = 0; i < n && classes_[ids[next]].wide; ++i)
+            if (classes_[ids[i]].length < classes_[ids[best]].length * (1 + BESIDE)) next = i;
+        if (classes_[ids[next]].wide) return true;
+        if (!look_beside(classes_[ids[next]])) return false;
+    }
+}
+
+size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
+    if (n == 1) return 0;
+    size_t best = 0;
+    for (size_t i = 1; i < n; ++i)
+        if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;
+    // Another class that may be shorter is measured, and this one as well.
+    double most = HUGE_VAL;
+    for (size_t i = 0; i < n; ++i) {
+        const Class& c = classes_[ids[i]];
+        const double upper = c.length * (1 + c.doubt + DOUBT[c.stage]);
+        most = std::min(most, upper);
+    }
+    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
+    bool other = false;
+    for (size_t i = 0; i < n; ++i) other |= ids[i] != ids[best] && may_be(classes_[ids[i]]);
+    for (size_t i = 0; i < n && other; ++i) {
+        Class& c = classes_[ids[i]];
+        c.wanted |= c.stage != Stage::done && may_be(c);
+    }
+    return best;
+}
+
+bool ClassLengths::may_be_shorter(const uint32_t* ids, const uint32_t* others, size_t n) {
+    double least = 0, most = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const Class &c = classes_[ids[i]], &other = classes_[others[i]];
+        least += c.length / (1 + DOUBT[c.stage]);
+        most += other.length * (1 + other.doubt + DOUBT[other.stage]);
+    }
+    if (!(least < most)) return false;
+    for (size_t i = 0; i < n; ++i) {
+        want(ids[i]);
+        want(others[i]);
+    }
+    return true;
+}
+
+Done ClassLengths::measure(bool& changed) {
+    changed = false;
+    for (int stage = 0; stage < 2; ++stage)
+        if (!measure_stage(stage == 0 ? Stage::found : Stage::measured, changed)) return false;
+    return true;
+}
+
+// Those that are at a stage, for the next one.
+Done ClassLengths::measure_stage(Stage stage, bool& changed) {
+    const size_t finest = stage == Stage::found ? level_ : finest_;
+    const Stage reached = finest == finest_ ? Stage::done : Stage::measured;
+    Loops loops;
+    Array<uint32_t> ids;
+    ids.start(call_.memory);
+    if (!loops.start(call_.memory)) return false;
+    for (uint32_t id = 0; id < classes_.size(); ++id) {
+        const Class& c = classes_[id];
+        if (!c.wanted || c.stage != stage) continue;
+        if (!loops.add(crossings_.data() + c.first, static_cast<size_t>(c.end - c.first)) || !ids.push(id))
+            return false;
+    }
+    if (ids.empty()) return true;
+    changed = true;
+    LoopCarrier carrier;
+    Multicurve curve; // on the levels between
+    if (!carrier.load(*hierarchy_, found_, finest, loops, call_.memory)
+        || (found_ > finest + 1 && !curve.allocate(hierarchy_->levels[finest + 1].mesh, call_.memory)))
+        return false;
+    while (carrier.level() > finest) {
+        if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_)) return false;
+        const bool last = carrier.level() == finest;
+        const double* const position = hierarchy_->levels[carrier.level()].position;
+        const Mesh& mesh = carrier.mesh();
+        ClosedGeodesic geodesic(mesh, position, geodesic_.scale(), call_);
+        Loops pulled;
+        if (!pulled.start(call_.memory)) return false;
+        for (size_t k = 0; k < ids.size(); ++k) {
+            Class& c = classes_[ids[k]];
+            // It starts from a curve that is the shortest but for small bumps.
+            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), false, c)) return false;
+            if (last) continue;
+            bool simple = false;
+            if (!pulled.add(loop_) || !disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_, simple)) return false;
+            if (simple) continue;
+            pulled.keep_first(k);
+            if (!pulled.add(loops, k)) return false;
+        }
+        if (!last && !carrier.replace(pulled)) return false;
+    }
+    for (const uint32_t id : ids) {
+        classes_[id].stage = reached;
+        classes_[id].wanted = false;
+    }
+    return true;
+}
+
+} // namespace hmf

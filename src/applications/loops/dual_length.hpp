@@ -1,0 +1,31 @@
+// Length of a loop: for each edge that it crosses, from the centre of one
+// triangle over the middle of the edge to the centre of the other.
+//
+//     a---b---c     The centre is that of the sides, not of the corners: a strip
+//      \ / \ /      across thin triangles, up and down by turns, is straight
+//       d---e       then, not a zig-zag of a third of their length.
+#pragma once
+
+#include "../../core/mesh/mesh.hpp"
+
+namespace hmf {
+
+class DualLength {
+public:
+    // position: 3 per vertex.  ambiguous: factor for edges whose two faces share
+    // another edge; a loop of triangles does not say which of them it crosses.
+    DualLength(const Mesh& mesh, const double* position, double ambiguous = 1);
+
+    // In units of the largest coordinate.
+    double operator()(uint32_t edge) const;
+    bool is_ambiguous(uint32_t edge) const;
+
+private:
+    double from_middle(uint32_t half_edge) const;
+
+    const Mesh& mesh_;
+    const double* position_;
+    double largest_ = 0, ambiguous_;
+};
+
+} // namespace hmf

@@ -1,0 +1,60 @@
+// Loops that the library searches for: cut systems, partners, pants.
+#pragma once
+
+#include "../../../include/hmf/applications.h"
+#include "../../core/curves/loops.hpp"
+
+namespace hmf {
+
+// Loops for which labels add up to 0.
+struct LoopCondition {
+    const uint64_t* label; // per edge, read with a minus from half-edge 2e + 1
+    const Loops* free;     // the cut system without the condition
+    const Loops* gates;    // each loop that meets the condition crosses one of these
+};
+
+class ClassLengths; // class_lengths.hpp
+
+// How loops are chosen: by the lengths of their classes, or the first ones, by
+// the lengths of the strips in which they are found.
+enum class LoopCare : uint8_t { shortest, quick };
+
+// Where loops are searched: where strips are nearly as short as the shortest one, or of many handles also where they
+// are half as long again.  Cut loops get hardly shorter by that, but which of equally long ones pants begin with no
+// longer depends on the order of the vertices.
+enum class RootReach : uint8_t { near, far };
+
+// genus many disjoint simple loops, jointly non-separating, each with the shortest
+// class that is found one after another.  position: 3 per vertex of the mesh.
+// condition: NULL for none.
+[[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition,
+                                    ClassLengths& lengths, Call& call, Loops& out, RootReach reach = RootReach::near);
+// The same beside disjoint loops that separate the surface; those are the first of out.
+[[nodiscard]] hmf_status cut_system_beside(const Mesh& mesh, const double* position, const Loops& kept,
+                                           ClassLengths& lengths, Call& call, Loops& out);
+// Measured on the mesh itself.
+[[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
+
+// Loops that each cross one of the disjoint loops that they are given, and for
+// the others only earlier ones: disjoint as well, and with them a basis of the
+// homology.
+[[nodiscard]] hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
+
+// 3 genus - 3 + marked vertices disjoint loops (one for a torus without those),
+// pairwise not freely homotopic: they cut the surface into pairs of pants, whose
+// boundaries are loops and marked vertices.  The first are a cut system.
+[[nodiscard]] hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths,
+                                             Call& call, Loops& out);
+
+// On a sphere: loops each round two marked vertices that are close, and no
+// vertex in two of them; as many as there are, but one for four vertices.
+[[nodiscard]] hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
+                                    Loops& out);
+
+// Shortens simple disjoint loops within their classes, but those before
+// `first`; they stay disjoint, in their order and with their directions.
+// The search reaches `width` times as far as usual.  ambiguous: see dual_length.hpp.
+[[nodiscard]] hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width,
+                                       double ambiguous, Call& call, Loops& loops);
+
+} // namespace hmf

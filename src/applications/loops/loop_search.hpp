@@ -1,0 +1,117 @@
+// The shortest loop that does not separate, through a region of a cut surface.
+//
+// Dijkstra from the region, its root, on the dual graph
+//
+//     regions of triangles = nodes,  segments of edges = links.
+//
+// A link between two reached regions closes a cycle; the shortest with a
+// signature (signatures.hpp), with the way from the root to it and back, is the
+// answer, and for each other signature the shortest of those that are at most
+// SLACK times as long: lengths of strips are not those of the curves in them.
+// With labels the search runs in the covering where they add up to 0 round each
+// loop: its nodes, states, are regions with a sum of labels.
+//
+// What a search finds bounds the loops through all regions that it came to: if
+// none through the root is shorter than L, none through a region at distance d
+// is shorter than L - 2 d.  Regions with a bound above the length looked for
+// are not entered.  Loops only get longer as the surface is cut, so bounds stay.
+#pragma once
+
+#include "../../core/base/nearest_first.hpp"
+#include "find_loops.hpp"
+#include "signatures.hpp"
+
+#include <algorithm>
+
+namespace hmf {
+
+class LoopSearch {
+public:
+    // edge_length: per edge.  edge_label: of a LoopCondition, or NULL.
+    LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call) :
+        cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
+
+    static constexpr size_t MOST_STATES = 256; // per region
+
+    // For a new cut; all bounds become 0.
+    Done prepare(const Signatures& signatures, size_t states_per_region);
+
+    static constexpr double SLACK = 1.7;
+    static constexpr size_t MOST_LOOPS = 16; // of one search
+
+    // Looks for loops through the root that are shorter than `limit`, with the
+    // way from the root to them and back, and gets bounds.  Those shorter than `kept` are kept in any case.
+    Done search(uint32_t root, double limit, double kept = 0);
+    // The loops found, shortest first: cycles of half-segments, not longer.
+    size_t count() const { return closings_.size(); }
+    Done strip(size_t i, Array<uint32_t>& found);
+    uint64_t signature(size_t i) const { return closings_[i].signature; }
+
+    double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
+    // Of the nearest root of a search since prepare: its loops are like those through the region.
+    double nearest_root(uint32_t region) const { return nearest_root_[region]; }
+    // Bounds by face, from one cut to the next: loops only get longer.
+    void raise_bounds(const Array<double>& face_bound);
+    void read_bounds(Array<double>& face_bound) const;
+    uint64_t work() const { return work_; }   // regions settled
+    bool starved() const { return starved_; } // the states did not suffice, since prepare
+
+private:
+    struct Arc { // from a region; in the order of its links
+        double length;
+        uint64_t signature;
+        uint32_t to, half_segment; // NONE: there is none
+    };
+    struct SearchState {
+        double distance;
+        uint64_t signature; // sum on the way from the root
+        uint32_t stamp;
+        uint32_t region;
+        uint32_t before, through; // the state before and the half-segment, seen from there
+    };
+    struct Closing {
+        double length;
+        uint64_t signature;
+        uint32_t link, from, to; // states
+    };
+    struct Covered {    // with labels, of a state
+        uint64_t label; // sum on the way from the root
+        uint32_t place; // in table_
+    };
+
+    Done keep(const Closing& closing);
+    void raise_bound(uint32_t region, double length) { bound_[region] = std::max(bound_[region], length); }
+    uint32_t end_of_face(size_t f) const {
+        return f + 1 < cut_.region_first.size() ? cut_.region_first[f + 1] : cut_.region_count;
+    }
+    uint32_t find_state(uint32_t region, uint64_t label, bool make);
+    uint64_t label_after(uint64_t label, uint32_t half_segment) const {
+        const uint64_t add = edge_label_[cut_.segment_edge[half_segment >> 1]];
+        return half_segment & 1u ? label - add : label + add;
+    }
+
+    // 2 * epoch: reached, 2 * epoch + 1: settled.
+    bool reached(uint32_t s) const { return state_[s].stamp >= 2 * epoch_; }
+    bool settled(uint32_t s) const { return state_[s].stamp > 2 * epoch_; }
+
+    const CutSurface& cut_;
+    const Signatures* signatures_ = nullptr;
+    const Array<double>& edge_length_;
+    const uint64_t* edge_label_;
+    Call& call_;
+    Array<Arc> arc_;      // three per region
+    Array<double> bound_; // per region
+    Array<double> nearest_root_;
+    Array<SearchState> state_;
+    Array<Covered> covered_; // per state
+    Array<uint32_t> table_;  // states by region and label, NONE: free
+    uint32_t table_shift_ = 0;
+    Array<uint32_t> order_; // states as they were settled
+    uint32_t state_count_ = 0, epoch_ = 0;
+    Array<Closing> closings_;
+    bool starved_ = false, starved_here_ = false;
+    uint64_t work_ = 0;
+    NearestFirstRounded heap_;
+};
+
+} // namespace hmf

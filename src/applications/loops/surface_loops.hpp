@@ -1,0 +1,21 @@
+// The loops that the library makes on a surface with boundary, as loops and arcs
+// of triangles of the caller.
+#pragma once
+
+#include "../../../include/hmf/applications.h"
+#include "../../core/hierarchy/hierarchy.hpp"
+
+namespace hmf {
+
+struct FoundLoops {
+    Array<uint64_t> offsets;
+    Array<uint32_t> triangles; // in the caller's numbers
+    Array<uint8_t> arcs;
+    Array<uint8_t> is_round; // a boundary without marked vertices, and nothing else; see double_loops.hpp
+    size_t count() const { return arcs.size(); }
+};
+
+// kind: HMF_LOOPS_CUT or HMF_LOOPS_PANTS; others are refused.
+[[nodiscard]] hmf_status surface_loops(const hmf_hierarchy& hierarchy, int32_t kind, Call& call, FoundLoops& out);
+
+} // namespace hmf

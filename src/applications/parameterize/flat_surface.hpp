@@ -1,0 +1,37 @@
+// The flat metric of a harmonic foliation: the forms (du, dv) on the
+// triangulation that is solved on, and on the caller's.
+#pragma once
+
+#include "../../core/solve/state.hpp"
+#include "twisted_form.hpp"
+
+namespace hmf {
+
+struct FlatSurface {
+    SignBundle bundle;
+    TwistedForm du, dv;
+    uint32_t iterations = 0; // of the linear solver
+};
+
+// state: a harmonic foliation on the intrinsic side of its level, up to a residual.  The values
+// of the state stay as they are.
+[[nodiscard]] hmf_status flat_surface(State& state, double residual, FlatSurface& flat, Call& call);
+
+// Carries the forms of level 0 from the intrinsic triangulation of the state to the caller's.  The state stays behind.
+Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call);
+
+// Cone angle of each vertex as a multiple of pi.  They add up to the number of
+// faces: each face has one corner in the middle, by u, then v, then number.
+// charts: of the mesh; the angle is an odd multiple exactly where they are odd.
+// False: out of memory or cancelled.
+Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& charts, int32_t* cone, Call& call);
+
+// Cone angles, and which vertices are cones: where the chart comes back with the opposite sign, and zeros that are
+// visible.
+Done find_cones(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& charts, Array<int32_t>& cone,
+                Array<uint8_t>& is_cone, Call& call);
+
+// No edge of the star has lost its (u, v) to rounding, as in limbs where the foliation is 0.
+bool is_visible(Stars::Star star, const FlatSurface& flat);
+
+} // namespace hmf

@@ -1,0 +1,29 @@
+// The surface with boundary of a double: the double without its back, where points would be seen from behind.
+#pragma once
+
+#include "../../core/leaves/mirror_symmetry.hpp"
+#include "quad_mesh.hpp"
+
+namespace hmf {
+
+class FrontSurface {
+public:
+    Done build(const Mesh& whole, const Reflection& reflection, Memory& memory);
+
+    // Triangles behind have the number NONE.
+    const Mesh& mesh() const { return mesh_; }
+
+    // Vertices of the quads that were found behind lie in front from then on, those of the boundary on its edges; a
+    // marked one stays where it is, and so does one of which it is not known on which edge it lies.
+    void bring_forward(const double* position, QuadMesh& quads) const;
+
+private:
+    uint32_t rim_at(const double* position, uint32_t side, const double* p) const;
+    bool is_marked(const double* position, uint32_t rim, const double* p) const;
+
+    const Reflection* reflection_ = nullptr;
+    Array<uint32_t> face_;
+    Mesh mesh_;
+};
+
+} // namespace hmf
