@@ -18,7 +18,7 @@ hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error)
     return hmf_level_counts(h, 0, info, error);
 }
 END
-cat > "$work/uses.c" <<'END'
+cat > "$work/applications.c" <<'END'
 #include <hmf/applications.h>
 #include <hmf/applications.h>
 hmf_status use(const hmf_foliation *f, hmf_quad_mesh **out, hmf_error *error);
@@ -68,7 +68,7 @@ for cc in gcc clang; do
         echo "skip header $cc (skipped: not installed)"
         continue
     fi
-    for header in hmf uses; do
+    for header in hmf applications; do
         for std in c89 c99 c11 c17; do
             check "$cc-$header-$std" $cc -std=$std $warnings -Wstrict-prototypes -Wc++-compat "$work/$header.c"
         done
