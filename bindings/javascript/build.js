@@ -175,8 +175,9 @@ const output = join(here, 'dist', 'hmf.wasm');
 try {
     mkdirSync(folder, { recursive: true });
     const objects = await compileEach(sources, headers, folder);
-    // The stack lies first, so that an overflow traps instead of overwriting data.
-    compile(['-mexec-model=reactor', ...CODE, ...objects,
+    // The stack lies first, so that an overflow traps instead of overwriting data.  No -O: with it clang hands the module to
+    // wasm-opt where binaryen is installed, which refuses instructions that it was not told of, and deletes the module.
+    compile(['-mexec-model=reactor', ...objects,
         ...functions.map(name => `-Wl,--export=${name}`), '-Wl,--strip-all', '-Wl,--stack-first', '-Wl,-z,stack-size=1048576', '-o', output]);
 } finally {
     if (!kept) rmSync(folder, { recursive: true });

@@ -84,6 +84,7 @@ skip() { echo "skip javascript-$1 (skipped: $2)"; }
 echo "ok javascript-build"
 group results 1200 node --test test/results.test.js
 group errors 1200 node --test test/errors.test.js
+group everyday 1200 node --test test/everyday.test.js
 group parameterize 1200 node --test test/parameterize.test.js
 group trace 1200 node --test test/trace.test.js
 group quads 1200 node --test test/quads.test.js

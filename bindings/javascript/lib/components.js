@@ -1,7 +1,7 @@
 // Meshes of several components (hmf_components): each is built and solved on its own.
 import { constants } from '../dist/layout.js';
 import { HmfError, namesOf, statusName } from './error.js';
-import { described, numbers, optionsOf } from './arguments.js';
+import { callback, described, numbers, optionsOf } from './arguments.js';
 import { BUILD_OPTIONS, Hierarchy, suggestMarks, withMesh } from './hierarchy.js';
 import { SOLVE_OPTIONS } from './solve.js';
 
@@ -60,10 +60,10 @@ function splitLoops(divided, set) {
 }
 
 /** The report of a component, built, solved and given back; its values go to those of the whole mesh. */
-function solveOne(module, component, loops, build, solve, progress, values) {
+function solveOne(module, component, number, loops, { build, solve, warn }, progress, values) {
     const share = (from, to) => (progress ? fraction => progress(from + (to - from) * fraction) : undefined);
     const hierarchy = new Hierarchy(module, component.positions, component.triangles,
-        { ...build, markedVertices: component.markedVertices, progress: share(0, BUILD_SHARE) });
+        { ...build, markedVertices: component.markedVertices, warn: sentence => warn(`component ${number}: ${sentence}`), progress: share(0, BUILD_SHARE) });
     try {
         const foliation = hierarchy.solve({ ...solve, loops, progress: share(BUILD_SHARE, 1) });
         component.wholeEdges.forEach((edge, e) => { values[edge] = foliation.values[e]; });
@@ -74,8 +74,9 @@ function solveOne(module, component, loops, build, solve, progress, values) {
 }
 
 export function solveComponents(module, positions, triangles, options) {
-    const names = [...new Set([...BUILD_OPTIONS, ...SOLVE_OPTIONS, 'loops'])].filter(name => name !== 'stopLevel');
-    const given = optionsOf(options, 'options', names), { progress, loops } = given;
+    const names = [...new Set([...BUILD_OPTIONS, ...SOLVE_OPTIONS, 'loops', 'warn'])].filter(name => name !== 'stopLevel');
+    const given = optionsOf(options, 'options', names), { progress, loops, warn = sentence => console.warn(sentence) } = given;
+    callback(warn, 'warn');
     if (progress !== undefined && typeof progress !== 'function') throw new TypeError(`progress is ${described(progress)}; give a function.`);
     const pick = wanted => Object.fromEntries(Object.entries(given).filter(([name]) => wanted.includes(name) && name !== 'progress' && name !== 'markedVertices'));
     const build = pick(BUILD_OPTIONS), solve = pick(SOLVE_OPTIONS);
@@ -95,7 +96,7 @@ export function solveComponents(module, positions, triangles, options) {
         if (component.status !== 0) return none(component.status, module.statusText(component.status));
         if (parts && parts[k].loops.length === 0) return none(constants.HMF_ERROR_LOOP_COUNT, 'No loop lies on it.');
         try {
-            const report = solveOne(module, component, kind ?? parts?.[k], build, solve, progress && (fraction => progress(begin + (end - begin) * fraction)), values);
+            const report = solveOne(module, component, k, kind ?? parts?.[k], { build, solve, warn }, progress && (fraction => progress(begin + (end - begin) * fraction)), values);
             const status = constants[report.status];
             return { ...component, status, statusName: report.status, message: status === 0 ? '' : module.statusText(status), report };
         } catch (error) {

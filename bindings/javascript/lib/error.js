@@ -41,8 +41,10 @@ const words = [
     ['with hmf_interpolate', 'with foliation.interpolate()'],
     ['with hmf_relax', 'with foliation.relax()'],
     ['Give one of them, the other NULL', 'Give one of them'],
-    ['optimisation', 'optimization'],
+    ['optimis', 'optimiz'],
 ];
+/** For the tests: what is replaced. */
+export const libraryWords = words.map(([library]) => library);
 const foreign = /hmf_|HMF_|NULL|struct_size|sizeof|->|position_stride|element_kind|_count\b/;
 
 /** A sentence of the library in the words of this package; '' where it has none. */

@@ -8,6 +8,23 @@ const kinds = namesOf('HMF_SINGULAR_').byValue;
 /** Symbol.dispose, also where the engine has none yet. */
 export const dispose = Symbol.dispose ?? Symbol.for('Symbol.dispose');
 
+function readSingularities(frame, address) {
+    const result = frame.result('hmf_singularities', address), { list, count, vertex_count, triangle_count } = frame.read('hmf_singularity_set', result);
+    return {
+        list: frame.list('hmf_singularity', list, count).map(one => ({ ...one, kind: kinds.get(one.kind) ?? `kind ${one.kind}` })),
+        ...frame.arrays('hmf_singularity_set', result, { vertex_index: vertex_count, triangle_index: triangle_count, vertex_cluster: vertex_count }),
+    };
+}
+
+/** Zeros, poles and the sum of indices of the surface itself. */
+function surfaceCounts(frame, address) {
+    const { control } = frame;
+    frame.control = 0; // the call that made the foliation has reported its end
+    const found = readSingularities(frame, address).list.map(({ index }) => index), sum = indices => indices.reduce((all, index) => all + index, 0);
+    frame.control = control;
+    return { zeros: sum(found.filter(index => index < 0).map(index => -index)), poles: sum(found.filter(index => index > 0)), indexSum: sum(found) };
+}
+
 export class Foliation {
     #address;
 
@@ -20,7 +37,9 @@ export class Foliation {
         this.level = frame.module.invoke('hmf_foliation_level', address);
         this.unit = frame.module.invoke('hmf_foliation_unit', address);
         this.values = frame.array(Float64Array, values, frame.array(Uint32Array, count, 1)[0]);
-        this.report = readReport(frame, address, status);
+        const report = readReport(frame, address, status, hierarchy.boundaryCount);
+        // The library counts on the closed double.
+        this.report = report && report.boundaries > 0 ? { ...report, ...surfaceCounts(frame, address) } : report;
         Object.freeze(this);
     }
 
@@ -103,13 +122,6 @@ export class Foliation {
     }
 
     singularities(options) {
-        return this.#ask(options, (frame, address) => {
-            const result = frame.result('hmf_singularities', address);
-            const { list, count, vertex_count, triangle_count } = frame.read('hmf_singularity_set', result);
-            return {
-                list: frame.list('hmf_singularity', list, count).map(one => ({ ...one, kind: kinds.get(one.kind) ?? `kind ${one.kind}` })),
-                ...frame.arrays('hmf_singularity_set', result, { vertex_index: vertex_count, triangle_index: triangle_count, vertex_cluster: vertex_count }),
-            };
-        });
+        return this.#ask(options, readSingularities);
     }
 }

@@ -1,13 +1,15 @@
 // Hierarchy: a mesh with its coarser levels (hmf_build and what reads it).
 import { Frame } from './memory.js';
 import { Foliation, dispose } from './foliation.js';
+import { boundaryCurves, holeWarning, notClosed, withoutUnused } from './boundaries.js';
 import { namesOf } from './error.js';
-import { choice, described, indices, numbers, optionsOf, wholeNumber } from './arguments.js';
+import { callback, choice, described, indices, numbers, optionsOf, wholeNumber } from './arguments.js';
 import { makeLoops, readLoops, writeLoops } from './loops.js';
-import { optionFields, optionNames } from './options.js';
+import { option, optionFields, optionNames } from './options.js';
 import { SOLVE_OPTIONS, writeOptions } from './solve.js';
 
 export const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_build_options'), 'markedVertices', 'progress'];
+const HIERARCHY_OPTIONS = [...BUILD_OPTIONS, 'closed', 'warn'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
 const pickOf = (object, names) => Object.fromEntries(Object.entries(object).filter(([name]) => names.includes(name)));
@@ -88,8 +90,9 @@ export function suggestMarks(module, positions, triangles, options) {
 
 export function evenDesign(module, positions, triangles, options) {
     const { noPoles, solveLimit, ...build } = optionsOf(options, 'options', [...BUILD_OPTIONS, 'noPoles', 'solveLimit']);
+    const limit = option({ solveLimit }, 'solveLimit', wholeNumber);
     return withMesh(module, positions, triangles, build, (frame, points, pointCount, corners, cornerCount, settings) => {
-        const fields = { build: settings, no_poles: noPoles ? 1 : 0, solve_limit: wholeNumber(solveLimit ?? 0, 'solveLimit') };
+        const fields = { build: settings, no_poles: noPoles ? 1 : 0, solve_limit: limit };
         const result = frame.result('hmf_even_design', points, pointCount, corners, cornerCount, frame.structure('hmf_design_options', fields));
         const { marked_count, loops, unevenness, unevenness_before, solves } = frame.read('hmf_design', result);
         return {
@@ -104,40 +107,73 @@ export class Hierarchy {
     #busy = false;
     #levels;
     #marks;
+    #kept = null;
 
     constructor(module, positions, triangles, options) {
         this.#held = new Held(module, 0);
         forgotten.register(this, { held: this.#held }, this);
         try {
-            const { markedVertices, ...others } = optionsOf(options, 'options', BUILD_OPTIONS);
-            if (typeof markedVertices === 'string' && markedVertices !== 'suggest')
-                throw new TypeError(`markedVertices is '${markedVertices}'; give 'suggest', or vertices.`);
-            const suggested = () => suggestMarks(module, positions, triangles, pickOf(others, ['mollify', 'memoryLimit']));
-            const build = marks => withMesh(module, positions, triangles, { ...others, markedVertices: marks }, (frame, ...mesh) => {
-                const { address } = frame.make('hmf_build', ...mesh);
-                this.#held.address = address;
-                const count = module.invoke('hmf_level_count', address);
-                this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => {
-                    const out = frame.structure('hmf_level_info');
-                    frame.call('hmf_level_counts', address, index, out);
-                    return new Level(this, index, frame.plain('hmf_level_info', out));
-                }));
-                this.#marks = Uint32Array.from(marks ?? []);
-            });
-            try {
-                build(markedVertices === 'suggest' ? suggested() : markedVertices);
-            } catch (error) {
-                // A sphere or disk needs marked vertices: those of the library, unless it was told others.
-                if (markedVertices !== undefined || error?.statusName !== 'HMF_ERROR_MESH_GENUS') throw error;
-                const marks = suggested();
-                if (marks.length === 0) throw error;
-                build(marks);
+            const { closed, warn = sentence => console.warn(sentence), ...build } = optionsOf(options, 'options', HIERARCHY_OPTIONS);
+            callback(warn, 'warn');
+            if (typeof build.markedVertices === 'string' && build.markedVertices !== 'suggest')
+                throw new TypeError(`markedVertices is '${build.markedVertices}'; give 'suggest', or vertices.`);
+            const warnings = this.#buildUsed(positions, triangles, build);
+            const constant = fields => Object.entries(fields).forEach(([name, value]) => Object.defineProperty(this, name, { value, enumerable: true }));
+            constant({ boundaryCount: module.invoke('hmf_boundary_count', this.#held.address), genus: module.invoke('hmf_genus', this.#held.address) });
+            if (this.boundaryCount > 0) {
+                const curves = boundaryCurves(this.#levels[0]);
+                if (closed) throw notClosed(module, curves);
+                const sentence = holeWarning(curves, this.#levels[0].positions());
+                if (sentence) warnings.push(sentence);
             }
-            Object.defineProperty(this, 'boundaryCount', { value: module.invoke('hmf_boundary_count', this.#held.address), enumerable: true });
-            Object.defineProperty(this, 'genus', { value: module.invoke('hmf_genus', this.#held.address), enumerable: true });
+            constant({ keptVertices: this.#kept, warnings: Object.freeze(warnings) });
+            warnings.forEach(sentence => warn(sentence));
         } catch (error) {
             this.dispose();
             throw error;
+        }
+    }
+
+    /** Builds without vertices that no triangle has; sentences about those. */
+    #buildUsed(positions, triangles, build) {
+        try {
+            this.#buildMarked(positions, triangles, build);
+            return [];
+        } catch (error) {
+            if (error?.statusName !== 'HMF_ERROR_MESH_UNUSED_VERTEX') throw error;
+        }
+        const used = withoutUnused(positions, triangles), { markedVertices } = build;
+        const marks = typeof markedVertices !== 'object' ? markedVertices : Array.from(markedVertices, vertex => {
+            if (used.number.has(vertex)) return used.number.get(vertex);
+            throw new TypeError(`markedVertices has ${vertex}, which belongs to no triangle.`);
+        });
+        this.#buildMarked(used.positions, used.triangles, { ...build, markedVertices: marks });
+        this.#kept = used.kept;
+        return [used.note];
+    }
+
+    /** Builds; a sphere or disk needs marked vertices: those of the library, unless it was told others. */
+    #buildMarked(positions, triangles, { markedVertices, ...others }) {
+        const module = this.#held.module;
+        const suggested = () => suggestMarks(module, positions, triangles, pickOf(others, ['mollify', 'memoryLimit']));
+        const build = marks => withMesh(module, positions, triangles, { ...others, markedVertices: marks }, (frame, ...mesh) => {
+            const { address } = frame.make('hmf_build', ...mesh);
+            this.#held.address = address;
+            const count = module.invoke('hmf_level_count', address);
+            this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => {
+                const out = frame.structure('hmf_level_info');
+                frame.call('hmf_level_counts', address, index, out);
+                return new Level(this, index, frame.plain('hmf_level_info', out));
+            }));
+            this.#marks = Uint32Array.from(marks ?? []);
+        });
+        try {
+            build(markedVertices === 'suggest' ? suggested() : markedVertices);
+        } catch (error) {
+            if (markedVertices !== undefined || error?.statusName !== 'HMF_ERROR_MESH_GENUS') throw error;
+            const marks = suggested();
+            if (marks.length === 0) throw error;
+            build(marks);
         }
     }
 
@@ -148,6 +184,10 @@ export class Hierarchy {
 
     get levels() {
         return this.#levels;
+    }
+
+    boundaries() {
+        return boundaryCurves(this.#levels[0]);
     }
 
     get memoryBytes() {

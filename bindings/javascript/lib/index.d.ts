@@ -29,7 +29,7 @@ export type Numbers = ArrayLike<number>;
 export interface Hmf {
     /** "major.minor.patch" */
     readonly version: string;
-    readonly Hierarchy: new (positions: Numbers, triangles: Numbers, options?: BuildOptions) => Hierarchy;
+    readonly Hierarchy: new (positions: Numbers, triangles: Numbers, options?: HierarchyOptions) => Hierarchy;
     /** Upper bound of the bytes that building a hierarchy uses at its peak; 0 if the counts are unusable. */
     memoryEstimate(vertexCount: number, triangleCount: number, options?: BuildOptions): number;
     /** The connected components of a mesh, each with numbers of its own.  A defect of one is its status, not an error. */
@@ -107,6 +107,16 @@ export interface BuildOptions extends ProgressOptions, BuildNumbers {
     markedVertices?: Numbers | "suggest";
 }
 
+export interface WarnOptions {
+    /** Called with a sentence about what looks wrong: small holes, vertices without a triangle. Default: `console.warn`. */
+    warn?: (sentence: string) => void;
+}
+
+export interface HierarchyOptions extends BuildOptions, WarnOptions {
+    /** Refuse a mesh with a boundary, with "HMF_ERROR_MESH_BOUNDARY". */
+    closed?: boolean;
+}
+
 /** One component of a mesh, with numbers of its own. */
 export interface Component {
     /** 0; that of HMF_ERROR_MESH_GENUS if it carries no foliation; else its defect. */
@@ -146,7 +156,7 @@ export interface Components {
 }
 
 /** Loops are of the whole mesh, on its level 0; a component without any gets no foliation.  Default: those of the library. */
-export interface SolveComponentsOptions extends BuildOptions, Omit<SolveOptions, "start" | "stopLevel"> {}
+export interface SolveComponentsOptions extends BuildOptions, WarnOptions, Omit<SolveOptions, "start" | "stopLevel"> {}
 
 export interface ComponentSolution extends Component {
     /** Why there is no report, or why the solve was stopped; else empty. */
@@ -172,6 +182,17 @@ export interface Hierarchy extends Disposable {
     readonly genus: number;
     /** Number of closed curves that the boundary consists of. */
     readonly boundaryCount: number;
+    /** The vertices of each boundary curve, in their order along it. */
+    boundaries(): Uint32Array[];
+    /** The marked vertices that were given or suggested. */
+    readonly markedVertices: Uint32Array;
+    /**
+     * Vertices without a triangle are dropped, and the others numbered without them:
+     * the numbers that these had.  null: none was dropped.
+     */
+    readonly keptVertices: Uint32Array | null;
+    /** What `warn` was called with. */
+    readonly warnings: readonly string[];
     /** Level 0 is the mesh of the caller, higher levels are coarser. */
     readonly levels: readonly Level[];
     readonly memoryBytes: number;
@@ -514,9 +535,12 @@ export interface Report {
     residualMax: number;
     residualMean: number;
     poles: number;
+    /** Counted with their orders: 4 * genus - 4 + marked vertices; with boundary those of the surface. */
     zeros: number;
-    /** 4 - 4 * genus - marked vertices */
+    /** 4 - 4 * genus - marked vertices; with boundary the sum over the surface. */
     indexSum: number;
+    /** Closed curves that the boundary of the surface consists of. */
+    boundaries: number;
     badFlips: number;
     badFlipsLeft: number;
     solveSeconds: number;

@@ -10,7 +10,7 @@ export const optionNames = name => options[name].map(camel);
 const ranges = {
     ratio: '[0.05, 0.95]', mollify: '[0, 0.1]', coarsest: '[1, inf)', memoryLimit: '[1, inf)',
     tolerance: '(0, 1)', residualTolerance: '(0, 1)', timeLimit: '[0, inf)', iterationLimit: '[1, inf)', stepLimit: '[1, inf)',
-    edgeLength: '(0, inf)', count: '[1, inf)', spacing: '(0, inf)', lengthLimit: '(0, inf)',
+    solveLimit: '[1, inf)', margin: '(0, 0.0625]', edgeLength: '(0, inf)', count: '[1, inf)', spacing: '(0, inf)', lengthLimit: '(0, inf)',
 };
 const shortest = 1e-9; // seconds; the library takes a limit of 0 for none
 
@@ -24,14 +24,20 @@ function checkRange(value, name) {
             `${name}: ${value} is not in ${range}. Leave it out for the default.`);
 }
 
+/** One that is given, checked; others are left to the library. */
+export function option(given, name, check) {
+    const value = given[name] === undefined ? undefined : check(given[name], name);
+    if (value !== undefined) checkRange(value, name);
+    return value ?? 0;
+}
+
 /** The fields of those that are given, checked. */
 export function optionFields(name, given) {
     const fields = {};
     for (const field of options[name]) {
-        const key = camel(field), check = structures[name].fields[field].type === 'f64' ? realNumber : wholeNumber;
+        const key = camel(field);
         if (given[key] === undefined) continue;
-        fields[field] = check(given[key], key);
-        checkRange(given[key], key);
+        fields[field] = option(given, key, structures[name].fields[field].type === 'f64' ? realNumber : wholeNumber);
         if (key === 'timeLimit') fields[field] = Math.max(given[key], shortest);
     }
     return fields;

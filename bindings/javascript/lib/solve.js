@@ -18,7 +18,7 @@ export function writeOptions(frame, options, more = {}) {
 }
 
 /** The report of a foliation; null where neither hmf_solve nor hmf_relax made it. */
-export function readReport(frame, foliation, status) {
+export function readReport(frame, foliation, status, boundaries) {
     const address = frame.module.invoke('hmf_foliation_report', foliation);
     if (address === 0) return null;
     const { level_count, history_count, levels, history } = frame.read('hmf_report', address);
@@ -26,6 +26,7 @@ export function readReport(frame, foliation, status) {
     const { element, index, advice } = frame.error(status);
     return {
         ...report,
+        boundaries,
         status: statusName(status),
         stopped: status === 0 ? null : { element, index, advice },
         method: methods.byValue.get(report.method) ?? `method ${report.method}`,

@@ -43,7 +43,6 @@ test('defects of meshes', () => {
     assert.equal(refused(build(mesh => { mesh.positions[7] = NaN; }), 'HMF_ERROR_MESH_NOT_FINITE', 'vertex').index, 2);
     assert.equal(refused(build(mesh => { mesh.triangles[7] = mesh.triangles[6]; }), 'HMF_ERROR_MESH_REPEATED_VERTEX', 'triangle').index, 2);
     refused(build(mesh => { mesh.triangles.set([mesh.triangles[1], mesh.triangles[0]], 0); }), 'HMF_ERROR_MESH_ORIENTATION', 'triangle');
-    refused(build(mesh => ({ ...mesh, positions: Float64Array.from([...mesh.positions, 1, 2, 3]) })), 'HMF_ERROR_MESH_UNUSED_VERTEX', 'vertex');
 });
 
 test('loops, values, options and limits that the library refuses', () => {

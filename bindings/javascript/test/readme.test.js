@@ -4,7 +4,8 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { delimiter, join } from 'node:path';
+import { gzipSync } from 'node:zlib';
 import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 
@@ -16,7 +17,13 @@ const blocks = [...steps.matchAll(/^```(\w+)\n([\s\S]*?)^```$/gm)].map(([, langu
 const environment = Object.fromEntries(Object.entries(process.env).filter(([name]) => !/^npm_|^NODE_/i.test(name)));
 
 let folder;
-before(() => { folder = mkdtempSync(join(tmpdir(), 'hmf-readme-')); });
+before(() => {
+    folder = mkdtempSync(join(tmpdir(), 'hmf-readme-'));
+    // An optimizer of binaryen that clang finds, and that refuses the module.
+    mkdirSync(join(folder, 'tools'));
+    writeFileSync(join(folder, 'tools', 'wasm-opt'), '#!/bin/sh\nexit 1\n', { mode: 0o755 });
+    environment.PATH = join(folder, 'tools') + delimiter + environment.PATH;
+});
 after(() => rmSync(folder, { recursive: true, force: true }));
 
 const shell = (text, cwd) => execFileSync('sh', ['-e', '-c', text], { cwd, env: environment, encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
@@ -33,6 +40,8 @@ test('the first steps do what README.md says', () => {
     const here = join(clone, 'bindings', 'javascript');
     writeFileSync(join(here, 'example.js'), example);
     assert.equal(shell(run, here), output);
+    const bytes = readFileSync(join(here, 'dist', 'hmf.wasm')), megabytes = size => `${(size / 1e6).toFixed(1)} MB`;
+    assert.ok(readme.replace(/\s+/g, ' ').includes(`\`hmf.wasm\` has ${megabytes(bytes.length)}, ${megabytes(gzipSync(bytes).length)} where`), `${bytes.length} bytes`);
 });
 
 test('the calls that README.md lists exist', () => {

@@ -1,9 +1,10 @@
 // hmf_atlas.
 import { optionsOf, realNumber } from '../arguments.js';
+import { option } from '../options.js';
 
 export function atlas(foliation, options) {
     const given = optionsOf(options, 'options', ['margin', 'progress']);
-    const fields = given.margin === undefined ? {} : { margin: realNumber(given.margin, 'margin') };
+    const fields = { margin: option(given, 'margin', realNumber) };
     return foliation.perform(given, (frame, address) => {
         const result = frame.result('hmf_atlas', address, frame.structure('hmf_atlas_options', fields));
         const { triangleCount, ...numbers } = frame.plain('hmf_chart_set', result);

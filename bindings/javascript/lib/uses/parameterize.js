@@ -1,11 +1,11 @@
 // hmf_parameterize.
 import { indices, optionsOf, realNumber } from '../arguments.js';
+import { option } from '../options.js';
 
 export function parameterize(foliation, options) {
     const given = optionsOf(options, 'options', ['tolerance', 'seamEdges', 'progress']);
     return foliation.perform(given, (frame, address) => {
-        const fields = {};
-        if (given.tolerance !== undefined) fields.tolerance = realNumber(given.tolerance, 'tolerance');
+        const fields = { tolerance: option(given, 'tolerance', realNumber) };
         if (given.seamEdges !== undefined) {
             fields.seam_edge_count = indices(given.seamEdges, 'seamEdges').length;
             fields.seam_edges = frame.copy(Uint32Array, given.seamEdges);

@@ -2,6 +2,7 @@
 import { namesOf } from '../error.js';
 import { choice, indices, numbers, optionsOf, realNumber } from '../arguments.js';
 import { orNull } from '../memory.js';
+import { option } from '../options.js';
 
 const kinds = namesOf('HMF_LINE_').byValue;
 const families = namesOf('HMF_LEAVES_');
@@ -11,8 +12,8 @@ function writeOptions(frame, options) {
     const fields = {};
     if (options.leaves !== undefined) fields.leaves = choice(options.leaves, 'leaves', families);
     if (options.critical !== undefined) fields.critical = options.critical ? 1 : 0;
-    if (options.spacing !== undefined) fields.spacing = realNumber(options.spacing, 'spacing');
-    if (options.lengthLimit !== undefined) fields.length_limit = realNumber(options.lengthLimit, 'lengthLimit');
+    fields.spacing = option(options, 'spacing', realNumber);
+    fields.length_limit = option(options, 'lengthLimit', realNumber);
     if (options.through !== undefined) {
         const given = optionsOf(options.through, 'through', ['triangles', 'barycentrics']);
         const triangles = indices(given.triangles, 'through.triangles'), barycentrics = numbers(given.barycentrics, 'through.barycentrics');
