@@ -48,19 +48,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// `sources/*/*.cpp`, sorted.
-fn cpp_files(sources: &Path) -> std::io::Result<Vec<PathBuf>> {
+/// All files `*.cpp` below a folder, sorted.
+fn cpp_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
-    for folder in fs::read_dir(sources)? {
-        let folder = folder?.path();
-        if !folder.is_dir() {
-            continue;
-        }
-        for file in fs::read_dir(folder)? {
-            let file = file?.path();
-            if file.extension().is_some_and(|extension| extension == "cpp") {
-                files.push(file);
-            }
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            files.extend(cpp_files(&path)?);
+        } else if path.extension().is_some_and(|extension| extension == "cpp") {
+            files.push(path);
         }
     }
     files.sort();
