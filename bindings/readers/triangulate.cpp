@@ -172,12 +172,12 @@ public:
 
 private:
     struct Candidate {
-        bool is_ear;
-        double length; // of the diagonal, squared; of what is no ear its shape
+        bool is_convex; // and perhaps an ear
+        double length;  // of the diagonal, squared; of what is no ear its shape
         uint32_t corner, version;
         // The last one of the queue comes first.
         bool operator<(const Candidate& other) const {
-            if (is_ear != other.is_ear) return !is_ear;
+            if (is_convex != other.is_convex) return !is_convex;
             return length != other.length ? length > other.length : corner > other.corner;
         }
     };
@@ -233,9 +233,17 @@ private:
     void offer(uint32_t i) {
         const Point &a = point_[previous_[i]], &b = point_[i], &c = point_[next_[i]];
         const double area = turn(a, b, c), diagonal = square_distance(previous_[i], next_[i]);
-        const bool is_ear = area > 0 && !tree_->any_in(a, b, c);
-        // Where there is no ear: what turns most to the left.
-        queue_.push({is_ear, is_ear ? diagonal : -area, i, ++version_[i]});
+        queue_.push({area > 0, area > 0 ? diagonal : -area, i, ++version_[i]});
+    }
+
+    // Whether corners lie in the triangle is asked of the shortest diagonal only: an answer for a long one may take
+    // a walk along all corners beside it.  Where there is no ear: what turns most to the left.
+    bool may_cut(const Candidate& best) {
+        const uint32_t i = best.corner;
+        const Point &a = point_[previous_[i]], &b = point_[i], &c = point_[next_[i]];
+        if (!best.is_convex || !tree_->any_in(a, b, c)) return true;
+        queue_.push({false, -turn(a, b, c), i, best.version});
+        return false;
     }
 
     void cut_ears() {
@@ -257,7 +265,7 @@ private:
             const Candidate best = queue_.top();
             queue_.pop();
             const uint32_t i = best.corner;
-            if (best.version != version_[i]) continue;
+            if (best.version != version_[i] || !may_cut(best)) continue;
             const uint32_t a = previous_[i], c = next_[i];
             triangles_.push_back({a, i, c});
             version_[i] = NONE;

@@ -9,15 +9,13 @@
 #include <map>
 #include <set>
 
-#include "support/mesh_files.hpp"
+#include "support/polygons.hpp"
 
 namespace test_readers_polygons {
 
 using namespace test;
 
 namespace {
-
-using Plane = std::vector<std::array<double, 2>>;
 
 double area_of(const Plane& p) {
     double sum = 0;
@@ -26,19 +24,6 @@ double area_of(const Plane& p) {
         sum += (a[0] - p[0][0]) * (b[1] - p[0][1]) - (a[1] - p[0][1]) * (b[0] - p[0][0]);
     }
     return sum / 2;
-}
-
-// One face with these corners: turns it in space by a rotation with exact small numbers, or leaves it in a plane.
-TriangleMesh read_face(const Plane& p, int turned) {
-    std::string obj, face = "f";
-    for (size_t i = 0; i < p.size(); ++i) {
-        const double x = p[i][0], y = p[i][1];
-        const double places[4][3] = {
-            {x, y, 0}, {y, x, 5}, {(2 * x - y) / 3, (2 * x + 2 * y) / 3, (2 * y - x) / 3}, {-7, x, y}};
-        obj += "v " + point_text(places[turned]) + "\n";
-        face += " " + std::to_string(i + 1);
-    }
-    return read_mesh(obj + face + "\n", Format::obj);
 }
 
 void expect_cover(const Plane& p, double least_area = 0) {
@@ -65,65 +50,6 @@ void expect_cover(const Plane& p, double least_area = 0) {
             EXPECT_EQ(sides.count({side.second, side.first}), of_polygon ? 0u : 1u) << side.first << " " << side.second;
         }
     }
-}
-
-constexpr double PI = 3.141592653589793;
-
-Plane regular(size_t n, double radius = 1) {
-    Plane p;
-    for (size_t i = 0; i < n; ++i) {
-        const double a = 2 * PI * double(i) / double(n);
-        p.push_back({radius * std::cos(a), radius * std::sin(a)});
-    }
-    return p;
-}
-
-Plane star(size_t n, test::Random& random) {
-    Plane p = regular(n);
-    for (auto& [x, y] : p) {
-        const double r = 0.05 + double(random.bits() % 1000) / 1000;
-        x *= r;
-        y *= r;
-    }
-    return p;
-}
-
-Plane comb(size_t teeth) {
-    Plane p = {{double(teeth), 0}};
-    for (size_t i = teeth; i-- > 0;) {
-        p.push_back({double(i) + 0.75, 10});
-        p.push_back({double(i) + 0.25, 1});
-    }
-    p.push_back({0, 0});
-    return p;
-}
-
-// A band that winds inwards.
-Plane spiral(size_t n) {
-    Plane outside, p;
-    for (size_t i = 0; i < n; ++i) {
-        const double a = 0.3 * double(i), r = 2 + 0.1 * a;
-        outside.push_back({r * std::cos(a), r * std::sin(a)});
-        p.push_back({(r - 0.3) * std::cos(a), (r - 0.3) * std::sin(a)});
-    }
-    std::reverse(p.begin(), p.end());
-    p.insert(p.begin(), outside.begin(), outside.end());
-    return p;
-}
-
-// Corners between, exactly on the sides: their halves, quarters, ... are exact on a grid.
-Plane with_flat_corners(const Plane& p, int halvings) {
-    Plane all = p;
-    for (; halvings > 0; --halvings) {
-        Plane finer;
-        for (size_t i = 0; i < all.size(); ++i) {
-            const auto &a = all[i], &b = all[(i + 1) % all.size()];
-            finer.push_back(a);
-            finer.push_back({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2});
-        }
-        all = finer;
-    }
-    return all;
 }
 
 Plane rotated(const Plane& p, size_t by) {
@@ -226,12 +152,12 @@ TEST(Polygons, Defects) {
     }
 }
 
-// Quadratic time would be minutes.
+// Its work: tests/work.
 TEST(Polygons, ManyCorners) {
     test::Random random(11);
-    const Plane circle = regular(40000), grid = with_flat_corners({{0, 0}, {1 << 14, 0}, {1 << 14, 1}, {0, 1}}, 13);
-    for (const Plane& p : {circle, star(40000, random), comb(20000), spiral(20000), grid})
-        expect_quick([&] { EXPECT_EQ(read_face(p, 2).triangle_count(), p.size() - 2); });
+    const Plane circle = regular(4000), grid = with_flat_corners({{0, 0}, {1 << 11, 0}, {1 << 11, 1}, {0, 1}}, 10);
+    for (const Plane& p : {circle, star(4000, random), comb(2000), spiral(2000), grid})
+        EXPECT_EQ(read_face(p, 2).triangle_count(), p.size() - 2);
     // No corner has many triangles.
     std::vector<int> degree(circle.size());
     for (const uint32_t v : read_face(circle, 0).triangles) ++degree[v];

@@ -1,18 +1,10 @@
 // Extreme inputs: how much work lies between two calls of the progress function, and how it grows with the input.
-// The library is compiled so that it counts the blocks of instructions that it runs (-fsanitize-coverage=trace-pc):
-// the same counts on every run, and nothing that the library says about its own work.
 #include "support/extreme_surfaces.hpp"
 #include "support/meter.hpp"
 #include "support/surface.hpp"
+#include "work/count_blocks.hpp"
 
 #include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
-static uint64_t blocks;
-extern "C" void __sanitizer_cov_trace_pc();
-extern "C" void __sanitizer_cov_trace_pc() { ++blocks; }
 
 namespace test_work {
 
@@ -159,12 +151,6 @@ TEST(Work, ReportsWithManyLoops) { every_call(with_loops(40, 40, 2000)); }
 TEST(Work, ReportsWithTwists) { every_call(with_twists(60, 40)); }
 
 namespace {
-
-// The exponent of growth of the work from one input to one of four times its size.
-void expect_linear(const char* name, const std::function<uint64_t(size_t)>& work, size_t n) {
-    const double small = static_cast<double>(work(n)), large = static_cast<double>(work(4 * n));
-    EXPECT_LE(std::log(large / small) / std::log(4), 1.2) << name << ": " << small << ", " << large;
-}
 
 uint64_t of_build(const Extreme& extreme) {
     hmf_hierarchy* h = nullptr;
