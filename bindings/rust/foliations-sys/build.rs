@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .cpp(true)
         .std("c++17")
         .include(&include)
-        .files(cpp_files(&sources)?)
+        .files(cpp_files(&sources.join("core"))?)
+        .files(cpp_files(&sources.join("applications"))?)
         // The core is as fast in a debug build of Rust: it dominates the time.
         .opt_level(3)
         .define("NDEBUG", None)
