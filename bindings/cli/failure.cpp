@@ -24,32 +24,37 @@ static ExitStatus exit_status_of(hmf_status status) {
 }
 
 // The library speaks to programmers; here its advice names the options of the tool.
+static const std::pair<std::string, std::string> words_of_tool[] = {
+    {"set mollify in the build options", "give --mollify 1e-5"},
+    {"raise mollify", "raise --mollify"},
+    {"Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "Give --loops cut or --loops pants"},
+    {"use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "give --loops cut or --loops pants"},
+    {"Improve the values with hmf_relax", "Give --method newton, or a smaller --tolerance"},
+    {"Improve them with hmf_relax", "Give --method newton, or a smaller --tolerance"},
+    {"; hmf_singularities lists them", ""},
+    {"Start from hmf_initialize or a result of hmf_solve", "Give a file that --values has written"},
+    {"Mark four vertices or more", "Give --marks auto, or a file of four vertices or more"},
+    {"; report->class_state tells whether the values are in it", ""},
+    {"Try another ratio", "Give another --ratio"},
+    {"edge_length", "--size"}};
+
+// Sentences with a name of the C interface that no option corresponds to say nothing here.
+static bool is_of_c(const std::string& sentence) {
+    for (const char* word : {"_", "NULL", "->", "options"})
+        if (sentence.find(word) != std::string::npos) return true;
+    return false;
+}
+
 static std::string in_words_of_tool(std::string message) {
-    static const std::pair<std::string, std::string> words[] = {
-        {"set mollify in the build options", "give --mollify 1e-5"},
-        {"Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "Give --loops cut or --loops pants"},
-        {"use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "give --loops cut or --loops pants"},
-        {"Improve the values with hmf_relax", "Give --method newton, or a smaller --tolerance"},
-        {"Improve them with hmf_relax", "Give --method newton, or a smaller --tolerance"},
-        {"; hmf_singularities lists them", ""},
-        {"Start from hmf_initialize or a result of hmf_solve", "Give a file that --values has written"},
-        {"Mark four vertices or more", "Give --marks auto, or a file of four vertices or more"},
-        {"; report->class_state tells whether the values are in it", ""},
-        {"Try another ratio", "Give another --ratio"},
-        {"edge_length", "--size"}};
-    for (const auto& [library, tool] : words)
+    for (const auto& [library, tool] : words_of_tool)
         if (const size_t at = message.find(library); at != std::string::npos) message.replace(at, library.size(), tool);
-    // A sentence that no option corresponds to says nothing here.
     std::string kept;
     for (size_t begin = 0; begin < message.size();) {
         size_t end = message.find(". ", begin);
         end = end == std::string::npos ? message.size() : end + 2;
         const std::string sentence = message.substr(begin, end - begin);
         begin = end;
-        bool known = true;
-        for (const char* word : {"hmf_", "HMF_", "NULL", "options", "struct_size", "_limit", "stop_level"})
-            known = known && sentence.find(word) == std::string::npos;
-        if (known) kept += sentence;
+        if (!is_of_c(sentence)) kept += sentence;
     }
     while (!kept.empty() && kept.back() == ' ') kept.pop_back();
     return kept;

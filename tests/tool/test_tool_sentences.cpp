@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
 namespace test_tool_sentences {
 
@@ -23,7 +27,45 @@ void expect_words_of_tool(const std::string& sentence) {
     EXPECT_NE(sentence.back(), '.') << sentence;
 }
 
+// What the library can say: the literals of each call that fails.
+std::vector<std::string> sentences_of_library() {
+    const std::filesystem::path sources = std::filesystem::path(__FILE__).parent_path() / "../../src";
+    std::vector<std::string> found;
+    std::error_code code;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(sources, code)) {
+        if (entry.path().extension() != ".cpp" && entry.path().extension() != ".hpp") continue;
+        std::ostringstream text;
+        text << std::ifstream(entry.path()).rdbuf();
+        const std::string source = text.str();
+        for (size_t at = 0; (at = source.find("fail(", at)) != std::string::npos; ++at) {
+            std::string sentence;
+            bool quoted = false;
+            for (size_t i = at; quoted || source[i] != ';'; ++i)
+                if (source[i] == '"') quoted = !quoted;
+                else if (quoted) sentence += source[i];
+            if (!sentence.empty()) found.push_back(sentence);
+        }
+    }
+    return found;
+}
+
 } // namespace
+
+TEST(ToolSentences, EveryErrorOfTheLibraryIsInItsWords) {
+    const std::vector<std::string> all = sentences_of_library();
+    if (all.empty()) GTEST_SKIP() << "the sources of the library are not here";
+    EXPECT_GT(all.size(), 100u);
+    for (const std::string& sentence : all) {
+        const std::string said = cli::in_words_of_tool(sentence);
+        EXPECT_TRUE(std::all_of(said.begin(), said.end(), [](char c) { return c != '_'; })) << sentence << ": " << said;
+        EXPECT_EQ(said.find("NULL"), std::string::npos) << said;
+    }
+    // A sentence that the library no longer says has no place in the table.
+    for (const auto& [library, tool] : cli::words_of_tool)
+        EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&words = library](const std::string& one) {
+            return one.find(words) != std::string::npos;
+        })) << library;
+}
 
 TEST(ToolSentences, LimitOfTheClassNamesTheLoop) {
     const std::string sentence = cli::limit_sentence(

@@ -213,14 +213,14 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("with hmf_relax", "with Foliation.relax"),
     ("Give one of them, the other NULL", "Give one of them"),
 )
-_FOREIGN = re.compile(r"hmf_|HMF_|NULL|struct_size|sizeof|->|position_stride|element_kind|_count\b|optimis")
+_FOREIGN = re.compile(r"hmf_|HMF_|NULL|struct_size|sizeof|->|position_stride|element_kind|_count\b")
 
 
 def in_words(message: str, status: int) -> str:
     """A sentence of the C library in the words of this package."""
     for library, package in _WORDS:
         message = message.replace(library, package)
-    message = message.replace("optimisation", "optimization")
+    message = message.replace("optimis", "optimiz")
     kept = [part for part in re.split(r"(?<=\.)\s+", message) if part and not _FOREIGN.search(part)]
     return " ".join(kept) or Status(status).text.capitalize() + "."
 
