@@ -210,6 +210,23 @@ impl Error {
         &self.message
     }
 
+    /// An option that is out of range.
+    pub(crate) fn option(message: String) -> Error {
+        Error { element: Some(Element::Option), ..Error::new(Status::ERROR_OPTIONS, message) }
+    }
+
+    /// A mesh that has a boundary, though it must not.
+    pub(crate) fn not_closed(curves: &[Vec<u32>]) -> Error {
+        let boundaries = if curves.len() == 1 { "boundary" } else { "boundaries" };
+        let (count, edges) = (curves.len(), curves[0].len());
+        let message = format!(
+            "The mesh has {count} {boundaries}, the first with {edges} edges, and is to be closed. \
+             Close it, or leave Builder::closed out."
+        );
+        let index = u64::from(curves[0][0]);
+        Error { element: Some(Element::Vertex), index, ..Error::new(Status::ERROR_MESH_BOUNDARY, message) }
+    }
+
     /// An error that this crate finds itself, before the call.
     pub(crate) fn new(status: Status, message: String) -> Error {
         Error { status, element: None, index: 0, message }
@@ -226,7 +243,7 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 /// What sentences of the C library call otherwise than this crate.
-const WORDS: [(&str, &str); 15] = [
+const WORDS: &[(&str, &str)] = &[
     (
         "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio",
         "The builder cannot be used: its ratio",
@@ -245,12 +262,13 @@ const WORDS: [(&str, &str); 15] = [
     ("with hmf_interpolate", "with Foliation::interpolate"),
     ("with hmf_relax", "with Solver::relax"),
     ("Give one of them, the other NULL", "Give one of them"),
+    ("optimis", "optimiz"),
 ];
 const FOREIGN: [&str; 6] = ["hmf_", "HMF_", "NULL", "struct_size", "->", "position_stride"];
 
 /// A sentence of the C library in the words of this crate; sentences with others are left out.
 pub(crate) fn in_words(message: &str) -> String {
-    let mut text = message.replace("optimisation", "optimization");
+    let mut text = message.to_string();
     for (library, own) in WORDS {
         text = text.replace(library, own);
     }
@@ -277,10 +295,10 @@ pub(crate) fn error_of(status: sys::hmf_status, raw: &sys::hmf_error) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use super::in_words;
+    use super::{in_words, WORDS};
     use std::path::Path;
 
-    /// The texts in quotes behind a status of the library: what its calls can fail with.
+    /// The literals of each call that fails: what the library can say.
     fn messages(folder: &Path, found: &mut Vec<String>) {
         for entry in std::fs::read_dir(folder).unwrap().flatten() {
             let path = entry.path();
@@ -290,12 +308,19 @@ mod tests {
             }
             let Ok(source) = std::fs::read_to_string(&path) else { continue };
             for call in source.split("fail(").skip(1) {
-                let call = &call[..call.find(';').unwrap_or(call.len())];
-                if call.trim_start().starts_with("HMF_") {
-                    found.push(call.split('"').skip(1).step_by(2).collect());
+                // Literals are the odd parts; the call ends at a semicolon outside of them.
+                let mut sentence = String::new();
+                for (i, part) in call.split('"').enumerate() {
+                    if i % 2 == 1 {
+                        sentence += part;
+                    } else if part.contains(';') {
+                        break;
+                    }
                 }
+                found.push(sentence);
             }
         }
+        found.retain(|sentence| !sentence.is_empty());
     }
 
     /// No word of the C interface is left in a message of this crate.
@@ -307,12 +332,16 @@ mod tests {
         }
         let mut found = Vec::new();
         messages(&sources, &mut found);
-        assert!(found.len() > 60, "{} messages", found.len());
+        assert!(found.len() > 100, "{} messages", found.len());
         for message in &found {
             let said = in_words(message);
-            for word in ["hmf_", "HMF_", "NULL", "struct_size", "->", "build options"] {
+            for word in ["hmf_", "HMF_", "NULL", "struct_size", "->", "build options", "optimis"] {
                 assert!(!said.contains(word), "{message}: {said}");
             }
+        }
+        // A sentence that the library no longer says has no place in the table.
+        for (words, _) in WORDS {
+            assert!(found.iter().any(|message| message.contains(words)), "{words}");
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Building a hierarchy, and what its levels are.
 
+use crate::boundaries::{curves, hole_warning, Used};
 use crate::error::{Error, Result, Status};
 use crate::loops::Loops;
 use crate::memory;
 use crate::owned::{call, make, slice, Made, Owned};
 use crate::progress::{Closure, Progress};
+use crate::ranges::Refusal;
 use crate::records::{codes, options, record, Read};
 use foliations_sys as sys;
 use std::fmt;
@@ -32,13 +34,15 @@ codes! {
 pub struct Builder<'a> {
     options: sys::hmf_build_options,
     marked_vertices: Option<&'a [u32]>,
+    closed: bool,
+    refusal: Refusal,
     progress: Option<Closure<'a>>,
 }
 
 impl Default for Builder<'_> {
     fn default() -> Self {
         let options = options!(hmf_build_options allocate: Some(memory::allocate), release: Some(memory::release));
-        Builder { options, marked_vertices: None, progress: None }
+        Builder { options, marked_vertices: None, closed: false, refusal: Refusal::default(), progress: None }
     }
 }
 
@@ -52,6 +56,7 @@ impl<'a> Builder<'a> {
     /// Edges of a level divided by the edges of the next finer one, in
     /// [0.05, 0.95]. Default: 0.5.
     pub fn ratio(mut self, ratio: f64) -> Self {
+        self.refusal.check("ratio", ratio, "[0.05, 0.95]");
         self.options.ratio = ratio;
         self
     }
@@ -59,6 +64,7 @@ impl<'a> Builder<'a> {
     /// Vertices of the coarsest level to aim for. Default: a sixteenth of all,
     /// and 1000 at most. At least 40 for each unit of the genus and 10 for each marked vertex.
     pub fn coarsest(mut self, vertices: usize) -> Self {
+        self.refusal.check("coarsest", vertices as f64, "[1, inf)");
         self.options.coarsest = vertices as u64;
         self
     }
@@ -66,6 +72,7 @@ impl<'a> Builder<'a> {
     /// Most bytes in use at any time, by this call and by each later call on the
     /// hierarchy. Default: no limit.
     pub fn memory_limit(mut self, bytes: u64) -> Self {
+        self.refusal.check("memory_limit", bytes as f64, "[1, inf)");
         self.options.memory_limit = bytes;
         self
     }
@@ -77,6 +84,7 @@ impl<'a> Builder<'a> {
     /// every triangle inequality holds by a margin of `mollify` times the mean length.
     /// Only the weights of level 0 change; meshes that keep the margin anyway stay as they are.
     pub fn mollify(mut self, margin: f64) -> Self {
+        self.refusal.check("mollify", margin, "[0, 0.1]");
         self.options.mollify = margin;
         self
     }
@@ -88,6 +96,12 @@ impl<'a> Builder<'a> {
     /// 4 - 4 genus - marked vertices.
     pub fn marked_vertices(mut self, vertices: &'a [u32]) -> Self {
         self.marked_vertices = Some(vertices);
+        self
+    }
+
+    /// Refuses a mesh with a boundary, with [`Status::ERROR_MESH_BOUNDARY`]. Default: false.
+    pub fn closed(mut self, closed: bool) -> Self {
+        self.closed = closed;
         self
     }
 
@@ -113,24 +127,57 @@ impl<'a> Builder<'a> {
     /// [`Status::CANCELLED`], or a status of the classes 100, 200, 300: each
     /// defect of a mesh has its own, and the error names the element.
     pub fn build(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Hierarchy> {
-        let made = self.call(positions, triangles, sys::hmf_build);
-        let needs_marks = |error: &Error| error.status() == Status::ERROR_MESH_GENUS;
-        let handle = match made {
-            Err(error) if needs_marks(&error) && self.marked_vertices.is_none() => {
+        let given = self.marked_vertices;
+        let (mut parts, mut used) = (self.build_marked(positions, triangles, given), None);
+        if matches!(&parts, Err(error) if error.status() == Status::ERROR_MESH_UNUSED_VERTEX) {
+            let mesh = Used::of(positions, triangles);
+            let number = |&vertex: &u32| {
+                let message = || format!("Marked vertex {vertex} belongs to no triangle.");
+                mesh.number(vertex).ok_or_else(|| Error::option(message()))
+            };
+            let marks = given.map(|marks| marks.iter().map(number).collect::<Result<Vec<u32>>>()).transpose()?;
+            parts = self.build_marked(&mesh.positions, &mesh.triangles, marks.as_deref());
+            used = Some(mesh);
+        }
+        let (handle, marked_vertices) = parts?;
+        let warnings = used.iter().map(Used::note).collect();
+        let kept_vertices = used.map(|mesh| mesh.kept);
+        let mut hierarchy = Hierarchy { parts: Arc::new(Parts { handle, marked_vertices, kept_vertices, warnings }) };
+        if hierarchy.boundary_count() > 0 {
+            let curves = hierarchy.boundaries();
+            if self.closed {
+                return Err(Error::not_closed(&curves));
+            }
+            let warning = hole_warning(&curves, &hierarchy.positions(0)?);
+            Arc::get_mut(&mut hierarchy.parts).expect("not shared yet").warnings.extend(warning);
+        }
+        Ok(hierarchy)
+    }
+
+    /// A hierarchy and its marked vertices; a sphere or disk that is given none gets those of the library.
+    fn build_marked(
+        &mut self,
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        given: Option<&[u32]>,
+    ) -> Result<(Owned<sys::hmf_hierarchy>, Vec<u32>)> {
+        let with = |marks: &[u32], options: sys::hmf_build_options| sys::hmf_build_options {
+            marked_vertices: marks.as_ptr(),
+            marked_count: marks.len() as u64,
+            ..options
+        };
+        let marks = given.unwrap_or(&[]);
+        match self.call_with(&with(marks, self.options), positions, triangles, sys::hmf_build) {
+            Err(error) if error.status() == Status::ERROR_MESH_GENUS && given.is_none() => {
                 let marks = self.suggest_marks(positions, triangles)?;
                 if marks.is_empty() {
                     return Err(error);
                 }
-                let raw = sys::hmf_build_options {
-                    marked_vertices: marks.as_ptr(),
-                    marked_count: marks.len() as u64,
-                    ..self.options
-                };
-                self.call_with(&raw, positions, triangles, sys::hmf_build)?
+                let made = self.call_with(&with(&marks, self.options), positions, triangles, sys::hmf_build)?;
+                Ok((made, marks))
             }
-            other => other?,
-        };
-        Ok(Hierarchy { handle: Arc::new(handle) })
+            made => Ok((made?, marks.to_vec())),
+        }
     }
 
     /// [`build`](Builder::build) for flat arrays: `positions` holds x, y, z of one
@@ -181,9 +228,13 @@ impl<'a> Builder<'a> {
         triangles: &[[u32; 3]],
         options: DesignOptions,
     ) -> Result<Design> {
+        if let Some(solves) = options.solve_limit {
+            self.refusal.check("solve_limit", solves as f64, "[1, inf)");
+        }
+        self.refusal.result()?;
         let build = self.raw();
         let all = options!(hmf_design_options
-            no_poles: i32::from(options.no_poles), build: &build, solve_limit: options.solve_limit);
+            no_poles: i32::from(options.no_poles), build: &build, solve_limit: options.solve_limit.unwrap_or(0));
         let made: Owned<sys::hmf_design> = Closure::watch(&mut self.progress, || {
             let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
             // SAFETY: the slices hold three numbers for each vertex and each triangle.
@@ -235,6 +286,7 @@ impl<'a> Builder<'a> {
         triangles: &[[u32; 3]],
         make_it: OfMesh<T>,
     ) -> Result<Owned<T>> {
+        self.refusal.result()?;
         Closure::watch(&mut self.progress, || {
             let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
             // SAFETY: the slices hold three numbers for each vertex and each triangle.
@@ -250,8 +302,8 @@ impl<'a> Builder<'a> {
 pub struct DesignOptions {
     /// No marked vertices but those of the builder, where that can be.
     pub no_poles: bool,
-    /// Budget of the search in solves of a coarse mesh; 0: about ten solves of the whole mesh.
-    pub solve_limit: u64,
+    /// Budget of the search in solves of a coarse mesh; `None`: about ten solves of the whole mesh.
+    pub solve_limit: Option<u64>,
 }
 
 /// What [`Builder::even_design`] finds.
@@ -317,7 +369,14 @@ record! {
 /// use it. It keeps about 140 bytes for each edge of your mesh.
 #[derive(Clone)]
 pub struct Hierarchy {
-    handle: Arc<Owned<sys::hmf_hierarchy>>,
+    parts: Arc<Parts>,
+}
+
+struct Parts {
+    handle: Owned<sys::hmf_hierarchy>,
+    marked_vertices: Vec<u32>,
+    kept_vertices: Option<Vec<u32>>,
+    warnings: Vec<String>,
 }
 
 impl Hierarchy {
@@ -349,7 +408,7 @@ impl Hierarchy {
     }
 
     pub(crate) fn as_ptr(&self) -> *const sys::hmf_hierarchy {
-        self.handle.as_ptr()
+        self.parts.handle.as_ptr()
     }
 
     /// Bytes held by the hierarchy.
@@ -379,6 +438,30 @@ impl Hierarchy {
     pub fn boundary_count(&self) -> usize {
         // SAFETY: the handle is valid.
         unsafe { sys::hmf_boundary_count(self.as_ptr()) }
+    }
+
+    /// The vertices of each boundary curve, in their order along it.
+    pub fn boundaries(&self) -> Vec<Vec<u32>> {
+        match (self.triangle_vertices(0), self.triangle_edges(0), self.level(0)) {
+            (Ok(triangles), Ok(edges), Ok(level)) => curves(&triangles, &edges, level.edge_count),
+            _ => Vec::new(), // there is always a level 0
+        }
+    }
+
+    /// The marked vertices that were given or suggested.
+    pub fn marked_vertices(&self) -> &[u32] {
+        &self.parts.marked_vertices
+    }
+
+    /// Vertices without a triangle are dropped, and the others numbered without them: the numbers
+    /// that these had. `None`: none was dropped.
+    pub fn kept_vertices(&self) -> Option<&[u32]> {
+        self.parts.kept_vertices.as_deref()
+    }
+
+    /// A sentence for each thing about the mesh that looks wrong: small holes, vertices without a triangle.
+    pub fn warnings(&self) -> &[String] {
+        &self.parts.warnings
     }
 
     /// Counts of one level.
@@ -465,6 +548,10 @@ impl Hierarchy {
 
 impl fmt::Debug for Hierarchy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Hierarchy").field("genus", &self.genus()).field("level_count", &self.level_count()).finish()
+        f.debug_struct("Hierarchy")
+            .field("genus", &self.genus())
+            .field("boundary_count", &self.boundary_count())
+            .field("level_count", &self.level_count())
+            .finish()
     }
 }

@@ -6,9 +6,11 @@ mod error;
 mod memory;
 mod owned;
 mod progress;
+mod ranges;
 mod records;
 mod threads;
 // What hmf.h has: a hierarchy, loops, foliations, solving.
+mod boundaries;
 mod components;
 mod foliation;
 mod hierarchy;

@@ -116,6 +116,12 @@ fn watched<T>(closure: &mut dyn FnMut(f64) -> Progress, work: impl FnOnce() -> T
     work()
 }
 
+/// Runs work that is part of a call whose end has been reported.
+pub(crate) fn unwatched<T>(work: impl FnOnce() -> T) -> T {
+    let _unwatched = Installed::new(ptr::null_mut());
+    work()
+}
+
 /// `hmf_progress_fn`; `user` is a `Reporter`.
 unsafe extern "C" fn report(user: *mut c_void, fraction: f64) -> i32 {
     let _unwatched = Installed::new(ptr::null_mut());

@@ -5,7 +5,8 @@ use crate::foliation::Foliation;
 use crate::hierarchy::Hierarchy;
 use crate::loops::{Loops, LoopsKind};
 use crate::owned::{attempt, slice, Owned};
-use crate::progress::{Closure, Progress};
+use crate::progress::{unwatched, Closure, Progress};
+use crate::ranges::Refusal;
 use crate::records::{codes, options, record, Read};
 use foliations_sys as sys;
 use std::ptr;
@@ -53,6 +54,7 @@ pub struct Solver<'a> {
     kind: Option<LoopsKind>,
     start: Option<&'a Foliation>,
     options: sys::hmf_solve_options,
+    refusal: Refusal,
     progress: Option<Closure<'a>>,
 }
 
@@ -60,7 +62,8 @@ impl Hierarchy {
     /// Options for solving on this hierarchy, all at their defaults.
     pub fn solver<'a>(&self) -> Solver<'a> {
         let options = options!(hmf_solve_options method: Method::default() as i32);
-        Solver { hierarchy: self.clone(), loops: None, kind: None, start: None, options, progress: None }
+        let (refusal, hierarchy) = (Refusal::default(), self.clone());
+        Solver { hierarchy, loops: None, kind: None, start: None, options, refusal, progress: None }
     }
 }
 
@@ -99,6 +102,7 @@ impl<'a> Solver<'a> {
     /// When to stop. [`Method::Newton`]: the largest residual, default 1e-8; the
     /// others: the relative change of the energy in a sweep, default 1e-6.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.refusal.check("tolerance", tolerance, "(0, 1)");
         self.options.tolerance = tolerance;
         self
     }
@@ -107,6 +111,7 @@ impl<'a> Solver<'a> {
     /// of the tolerance; the others: sweeps go on until it is reached. Default of
     /// these: none, and 1e-8 counts as converged.
     pub fn residual_tolerance(mut self, tolerance: f64) -> Self {
+        self.refusal.check("residual_tolerance", tolerance, "(0, 1)");
         self.options.residual_tolerance = tolerance;
         self
     }
@@ -120,6 +125,7 @@ impl<'a> Solver<'a> {
 
     /// Most sweeps on each level. Default: 100 000.
     pub fn iteration_limit(mut self, sweeps: u64) -> Self {
+        self.refusal.check("iteration_limit", sweeps as f64, "[1, inf)");
         self.options.iteration_limit = sweeps;
         self
     }
@@ -128,6 +134,7 @@ impl<'a> Solver<'a> {
     /// a few. Unlike [`time_limit`](Solver::time_limit) the same result on every machine.
     /// Default: as many as it takes.
     pub fn step_limit(mut self, steps: u64) -> Self {
+        self.refusal.check("step_limit", steps as f64, "[1, inf)");
         self.options.step_limit = steps;
         self
     }
@@ -157,6 +164,7 @@ impl<'a> Solver<'a> {
     /// [`Status::CANCELLED`] if there is no foliation yet, or a status of the
     /// classes 100, 200, 400.
     pub fn solve(&mut self) -> Result<Solution> {
+        self.refusal.result()?;
         let made = match self.kind {
             Some(kind) if self.loops.is_none() && self.start.is_none() => {
                 // They are found fastest on the coarsest level.
@@ -194,6 +202,7 @@ impl<'a> Solver<'a> {
     /// the foliation is of another hierarchy, [`Status::ERROR_VALUE_POLE`], classes
     /// 100 and 200.
     pub fn relax(&mut self, foliation: &Foliation) -> Result<Solution> {
+        self.refusal.result()?;
         if foliation.hierarchy().as_ptr() != self.hierarchy.as_ptr() {
             let message = "The foliation is of another hierarchy. Take the solver of foliation.hierarchy().";
             return Err(Error::new(Status::ERROR_OPTIONS, message.into()));
@@ -257,10 +266,12 @@ record! {
         residual_mean: f64,
         /// Poles of the result, as in [`Foliation::singularities`].
         poles: u64,
-        /// Zeros of the result, each as often as its order.
+        /// Zeros of the result, each as often as its order; with boundary those of the surface.
         zeros: u64,
-        /// Sum of all indices, 4 - 4 genus - marked vertices.
+        /// Sum of all indices, 4 - 4 genus - marked vertices; with boundary the sum over the surface.
         index_sum: i64,
+        /// Closed curves that the boundary of the surface consists of.
+        boundaries: usize = |_: &sys::hmf_report| 0,
         /// Flips that would have made a pole.
         bad_flips: u64,
         /// Flips that did.
@@ -357,6 +368,17 @@ impl Foliation {
     /// How the run went that made it; `None` where neither `solve` nor `relax` did.
     pub fn report(&self) -> Option<Report> {
         // SAFETY: the report, where there is one, lives as long as the foliation.
-        unsafe { sys::hmf_foliation_report(self.as_ptr()).as_ref() }.map(Read::read)
+        let mut report: Report = unsafe { sys::hmf_foliation_report(self.as_ptr()).as_ref() }?.read();
+        report.boundaries = self.hierarchy().boundary_count();
+        if report.boundaries > 0 {
+            // The library counts on the closed double.
+            if let Ok(found) = unwatched(|| self.singularities()) {
+                let indices = || found.list().iter().map(|one| i64::from(one.index));
+                report.zeros = indices().filter(|&index| index < 0).map(i64::unsigned_abs).sum();
+                report.poles = indices().filter(|&index| index > 0).map(i64::unsigned_abs).sum();
+                report.index_sum = indices().sum();
+            }
+        }
+        Some(report)
     }
 }

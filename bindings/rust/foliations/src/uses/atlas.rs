@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::error::Status;
 use crate::foliation::Foliation;
 use crate::owned::{arrays, make, Owned};
+use crate::ranges::Refusal;
 use crate::records::options;
 use foliations_sys as sys;
 
@@ -71,6 +72,9 @@ impl Foliation {
     /// charts; [`Status::ERROR_OPTIONS`] for a margin outside of 0 to 1/16;
     /// [`Status::ERROR_VALUE_NOT_HARMONIC`]; [`Status::CANCELLED`]; classes 100, 200, 500.
     pub fn atlas(&self, margin: Option<f64>) -> Result<Atlas> {
+        let mut refusal = Refusal::default();
+        margin.iter().for_each(|&margin| refusal.check("margin", margin, "(0, 0.0625]"));
+        refusal.result()?;
         let options = options!(hmf_atlas_options margin: margin.unwrap_or(0.0));
         // SAFETY: the handle is valid.
         let block =

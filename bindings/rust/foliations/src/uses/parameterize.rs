@@ -6,6 +6,7 @@ use crate::error::Status;
 use crate::foliation::Foliation;
 use crate::owned::{arrays, make, Owned};
 use crate::progress::{Closure, Progress};
+use crate::ranges::Refusal;
 use crate::records::{options, record, Read};
 use foliations_sys as sys;
 use std::ops::Deref;
@@ -19,6 +20,7 @@ pub struct Parameterizer<'a> {
     foliation: &'a Foliation,
     seam_edges: &'a [u32],
     options: sys::hmf_parameterize_options,
+    refusal: Refusal,
     progress: Option<Closure<'a>>,
 }
 
@@ -39,13 +41,14 @@ impl Foliation {
     /// ```
     pub fn parameterizer(&self) -> Parameterizer<'_> {
         let options = options!(hmf_parameterize_options);
-        Parameterizer { foliation: self, seam_edges: &[], options, progress: None }
+        Parameterizer { foliation: self, seam_edges: &[], options, refusal: Refusal::default(), progress: None }
     }
 }
 
 impl<'a> Parameterizer<'a> {
     /// The largest residual that the values may have. Default: 1e-2.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.refusal.check("tolerance", tolerance, "(0, 1)");
         self.options.tolerance = tolerance;
         self
     }
@@ -76,6 +79,7 @@ impl<'a> Parameterizer<'a> {
     /// has no vertex for each zero, [`Status::CANCELLED`], or a status of the
     /// classes 100, 200, 500.
     pub fn parameterize(&mut self) -> Result<Parameterization> {
+        self.refusal.result()?;
         let options = sys::hmf_parameterize_options {
             seam_edges: self.seam_edges.as_ptr(),
             seam_edge_count: self.seam_edges.len() as u64,

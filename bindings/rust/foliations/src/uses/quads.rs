@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::error::Status;
 use crate::foliation::Foliation;
 use crate::owned::{arrays, make, Owned};
+use crate::ranges::Refusal;
 use crate::records::options;
 use foliations_sys as sys;
 
@@ -60,11 +61,11 @@ impl QuadMesh {
 /// What quads are wished for; see [`Foliation::quads_with`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct QuadOptions {
-    /// Mean length of an edge, in the unit of the positions; 0: about half as many quads as
+    /// Mean length of an edge, in the unit of the positions; `None`: about half as many quads as
     /// triangles.
-    pub edge_length: f64,
-    /// How many quads instead; 0: by the length. The result is as near as the grids allow.
-    pub count: u64,
+    pub edge_length: Option<f64>,
+    /// How many quads instead; `None`: by the length. The result is as near as the grids allow.
+    pub count: Option<u64>,
     /// A critical leaf shorter than half an edge gets no quad, and its zeros become one vertex.
     pub merge: bool,
     /// A pole stays a vertex with two edges; else one quad lies over it, between two vertices
@@ -90,7 +91,7 @@ impl Foliation {
     /// long or on a mesh so coarse; [`Status::CANCELLED`];
     /// classes 100, 200, 500.
     pub fn quads(&self, edge_length: Option<f64>) -> Result<QuadMesh> {
-        self.quads_with(&QuadOptions { edge_length: edge_length.unwrap_or(0.0), ..Default::default() })
+        self.quads_with(&QuadOptions { edge_length, ..Default::default() })
     }
 
     /// The same with all options.
@@ -100,7 +101,12 @@ impl Foliation {
     /// As for [`Foliation::quads`], and [`Status::ERROR_OPTIONS`] if there would be more than
     /// 2^28 quads.
     pub fn quads_with(&self, wish: &QuadOptions) -> Result<QuadMesh> {
-        let options = options!(hmf_quad_options edge_length: wish.edge_length, count: wish.count,
+        let mut refusal = Refusal::default();
+        wish.edge_length.iter().for_each(|&length| refusal.check("edge_length", length, "(0, inf)"));
+        wish.count.iter().for_each(|&count| refusal.check("count", count as f64, "[1, inf)"));
+        refusal.result()?;
+        let options = options!(hmf_quad_options
+            edge_length: wish.edge_length.unwrap_or(0.0), count: wish.count.unwrap_or(0),
             merge: i32::from(wish.merge), keep_poles: i32::from(wish.keep_poles), relax: wish.relax);
         // SAFETY: the handle is valid.
         let block =

@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::foliation::Foliation;
 use crate::owned::{arrays, make, slice, Owned};
 use crate::progress::{Closure, Progress};
+use crate::ranges::Refusal;
 use crate::records::{codes, options, record, Read};
 use foliations_sys as sys;
 use std::ops::Range;
@@ -16,6 +17,7 @@ use std::ops::Range;
 pub struct Tracer<'a> {
     foliation: &'a Foliation,
     options: sys::hmf_trace_options,
+    refusal: Refusal,
     point_triangles: Vec<u32>,
     point_barycentrics: Vec<[f64; 3]>, // as many
     progress: Option<Closure<'a>>,
@@ -42,7 +44,8 @@ impl Foliation {
     pub fn tracer(&self) -> Tracer<'_> {
         let options = options!(hmf_trace_options leaves: sys::HMF_LEAVES_FOLIATION);
         let (point_triangles, point_barycentrics) = (Vec::new(), Vec::new());
-        Tracer { foliation: self, options, point_triangles, point_barycentrics, progress: None }
+        let refusal = Refusal::default();
+        Tracer { foliation: self, options, refusal, point_triangles, point_barycentrics, progress: None }
     }
 }
 
@@ -58,6 +61,7 @@ impl<'a> Tracer<'a> {
     /// A cylinder gets round(height / spacing) of them, at least one, evenly spaced
     /// with half a space at either side: so they match across critical leaves.
     pub fn spacing(mut self, spacing: f64) -> Self {
+        self.refusal.check("spacing", spacing, "(0, inf)");
         self.options.spacing = spacing;
         self
     }
@@ -66,6 +70,7 @@ impl<'a> Tracer<'a> {
     /// the positions. Default: no limit; for conjugate leaves ten times the root of the
     /// area of the surface.
     pub fn length_limit(mut self, length: f64) -> Self {
+        self.refusal.check("length_limit", length, "(0, inf)");
         self.options.length_limit = length;
         self
     }
@@ -108,6 +113,7 @@ impl<'a> Tracer<'a> {
     /// [`Status::ERROR_OPTIONS`](crate::Status::ERROR_OPTIONS) for a bad point, where the
     /// index is its number.
     pub fn trace(&mut self) -> Result<Leaves> {
+        self.refusal.result()?;
         let options = sys::hmf_trace_options {
             point_count: self.point_triangles.len() as u64,
             point_triangles: self.point_triangles.as_ptr(),
