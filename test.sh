@@ -21,7 +21,7 @@ nightly="$full tsan nightly"
 # name | preset | targets, or - for none | entries of ctest | what
 variants() {
     cat <<'END_OF_TABLE'
-sanitizers   | asan-ubsan | hmf hmf_tests hmf_replays | -L ^default$ | the cases of the library once, with assertions, address and undefined behavior sanitizers; fuzz corpora
+sanitizers   | asan-ubsan | hmf_tests hmf_replays | -L ^default$ | the cases of the library once, with assertions, address and undefined behavior sanitizers; fuzz corpora
 optimized    | release | hmf hmf_core hmf_pool hmf_cli hmf_tests_default | -L ^default$ | long and numeric cases, a sample of real meshes, the tool, examples of the documentation, short checks
 asan-ubsan   | asan-ubsan | all | -L default|full | as sanitizers, with the long cases, the tool, and longer runs of the fuzz targets
 release      | release | all | -L default|full | every case, real meshes up to 250 000 vertices, checks, packages, bindings

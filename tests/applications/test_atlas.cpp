@@ -245,10 +245,10 @@ TEST(Atlas, NothingOverlapsOnRandomSurfaces) {
 
 // Strips from boundary to boundary, rings round boundaries, both and neither.
 TEST(Atlas, NothingOverlapsOnSurfacesWithHoles) {
-    for (uint64_t seed = sample<uint64_t>(1, 4); seed <= 4; ++seed) {
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
-        const size_t m = sample(48, 24);
-        const TriMesh base = seed % 3 == 0 ? pretzel(2, sample(3, 2)) : torus(2 * m, m, 3, 1, {true, 1, 0.3, seed});
+        const size_t m = 48;
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 3) : torus(2 * m, m, 3, 1, {true, 1, 0.3, seed});
         const TriMesh mesh = with_holes(base, 1 + seed % 5, 2 + seed % 3, seed);
         if (!is_sound(mesh)) continue; // bad luck
         const Hierarchy hierarchy(mesh);

@@ -131,7 +131,7 @@ void run_case(const TriMesh& mesh, uint64_t k, Tally& tally) {
 
 TEST(BoundaryCampaign, HolesInSurfaces) {
     const std::vector<std::string> paths = real_meshes();
-    const uint64_t cases = number("HMF_HOLES", sample(6, 3)), seed = number("HMF_HOLES_SEED", 0);
+    const uint64_t cases = number("HMF_HOLES", sample(6, 2)), seed = number("HMF_HOLES_SEED", 0);
     Tally tally;
     for (uint64_t k = seed; k < seed + cases; ++k) {
         const std::string path = paths.empty() ? "formula" : paths[k % paths.size()];

@@ -13,8 +13,6 @@ namespace test {
 
 namespace {
 
-const double pi = std::acos(-1.0);
-
 double distance_to_segment(const double* p, const double* a, const double* b) {
     double ab = 0, ap = 0, sum = 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -37,7 +35,7 @@ TriMesh annulus(size_t n, size_t m, double R, double jitter, uint64_t seed) {
         for (size_t j = 0; j <= m; ++j) {
             const bool inner = j > 0 && j < m;
             const double a =
-                2 * pi * (static_cast<double>(i) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(n);
+                2 * PI * (static_cast<double>(i) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(n);
             const double t = (static_cast<double>(j) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(m);
             const double r = std::pow(R, t);
             mesh.positions.insert(mesh.positions.end(), {r * std::cos(a), r * std::sin(a), 0});

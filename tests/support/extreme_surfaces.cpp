@@ -6,8 +6,6 @@ namespace test {
 
 namespace {
 
-constexpr double PI = 3.14159265358979323846;
-
 struct Maker {
     TriMesh mesh;
     uint32_t vertex(double x, double y, double z) {

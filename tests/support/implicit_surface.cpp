@@ -108,10 +108,9 @@ TriMesh implicit_surface(size_t n, double least, const std::function<double(doub
 }
 
 TriMesh random_implicit_surface(size_t n, double frequency, Random& random) {
-    constexpr double pi = 3.14159265358979323846;
     const double least = std::pow(10, -1 - 4 * random.unit());
     double phase[3], shape[3];
-    for (double& x : phase) x = 2 * pi * random.unit();
+    for (double& x : phase) x = 2 * PI * random.unit();
     for (double& x : shape) x = 0.35 + 0.15 * random.unit();
     const bool ball = random.below(2) == 0;
     const auto inside = [&](double x, double y, double z) { // of a box or a ball, about its distance
@@ -122,7 +121,7 @@ TriMesh random_implicit_surface(size_t n, double frequency, Random& random) {
     };
     switch (random.below(3)) {
     case 0: {
-        const double k = 2 * pi * frequency, level = 0.4 * (random.unit() - 0.5);
+        const double k = 2 * PI * frequency, level = 0.4 * (random.unit() - 0.5);
         return implicit_surface(n, least, [=](double x, double y, double z) {
             const double u = k * x + phase[0], v = k * y + phase[1], w = k * z + phase[2];
             const double gyroid = std::sin(u) * std::cos(v) + std::sin(v) * std::cos(w) + std::sin(w) * std::cos(u);
@@ -136,9 +135,9 @@ TriMesh random_implicit_surface(size_t n, double frequency, Random& random) {
             double sum = 0.2;
             for (size_t i = 0; i < 30; i += 5)
                 sum += wave[i]
-                     * std::sin(2 * pi * frequency * (wave[i + 1] * x + wave[i + 2] * y + wave[i + 3] * z)
+                     * std::sin(2 * PI * frequency * (wave[i + 1] * x + wave[i + 2] * y + wave[i + 3] * z)
                                 + 9 * wave[i + 4]);
-            return std::min(2 * pi * frequency * inside(x, y, z), sum);
+            return std::min(2 * PI * frequency * inside(x, y, z), sum);
         });
     }
     default: {

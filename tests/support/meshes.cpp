@@ -9,8 +9,6 @@ namespace test {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 struct Vec {
     double x, y, z;
 };
@@ -29,10 +27,6 @@ Vec at(const TriMesh& mesh, uint32_t v) {
 uint32_t add_vertex(TriMesh& mesh, Vec p) {
     mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
     return static_cast<uint32_t>(mesh.vertex_count() - 1);
-}
-
-void add_triangle(TriMesh& mesh, uint32_t a, uint32_t b, uint32_t c) {
-    mesh.triangles.insert(mesh.triangles.end(), {a, b, c});
 }
 
 uint64_t key(uint32_t a, uint32_t b) { return static_cast<uint64_t>(a) << 32 | b; }
@@ -190,8 +184,8 @@ std::string mesh_defect(const TriMesh& mesh) {
 
 TriMesh torus(size_t n, size_t m, double R, double r, const TorusOptions& options) {
     return grid_torus(n, m, options, [&](double u, double v) {
-        const double ring = R + r * std::cos(2 * pi * v);
-        return Vec{ring * std::cos(2 * pi * u), ring * std::sin(2 * pi * u), r * std::sin(2 * pi * v)};
+        const double ring = R + r * std::cos(2 * PI * v);
+        return Vec{ring * std::cos(2 * PI * u), ring * std::sin(2 * PI * u), r * std::sin(2 * PI * v)};
     });
 }
 
@@ -199,16 +193,16 @@ TriMesh trefoil(size_t n, size_t m, double radius) {
     // The (2, 3) torus knot; the normal of its torus closes up after one turn
     // and serves as frame.
     const auto curve = [](double u) {
-        const double p = 4 * pi * u, q = 6 * pi * u, ring = 2 + std::cos(q);
+        const double p = 4 * PI * u, q = 6 * PI * u, ring = 2 + std::cos(q);
         return Vec{ring * std::cos(p), ring * std::sin(p), std::sin(q)};
     };
     return grid_torus(n, m, {}, [&](double u, double v) {
-        const double p = 4 * pi * u, q = 6 * pi * u;
+        const double p = 4 * PI * u, q = 6 * PI * u;
         const Vec normal{std::cos(q) * std::cos(p), std::cos(q) * std::sin(p), std::sin(q)};
         const Vec tangent = unit(curve(u + 1e-5) - curve(u - 1e-5));
         const Vec side = unit(cross(tangent, normal));
-        return curve(u) + (radius * std::cos(2 * pi * v)) * unit(cross(side, tangent))
-             + (-radius * std::sin(2 * pi * v)) * side;
+        return curve(u) + (radius * std::cos(2 * PI * v)) * unit(cross(side, tangent))
+             + (-radius * std::sin(2 * PI * v)) * side;
     });
 }
 
@@ -433,7 +427,7 @@ TriMesh transformed(const TriMesh& mesh, const Matrix& r) {
 TriMesh with_bad_triangles(const TriMesh& mesh, size_t count, double degrees, uint64_t seed) {
     TriMesh result = mesh;
     Random random(seed);
-    const double slope = std::tan(degrees * pi / 180);
+    const double slope = std::tan(degrees * PI / 180);
     std::vector<bool> used(mesh.triangle_count(), false);
     for (size_t i = 0; i < count; ++i) {
         const size_t t = random.below(mesh.triangle_count());

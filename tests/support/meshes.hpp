@@ -21,6 +21,12 @@ struct TriMesh {
     size_t triangle_count() const { return triangles.size() / 3; }
 };
 
+inline void add_triangle(TriMesh& mesh, uint32_t a, uint32_t b, uint32_t c) {
+    mesh.triangles.insert(mesh.triangles.end(), {a, b, c});
+}
+
+constexpr double PI = 3.14159265358979323846;
+
 // Deterministic random numbers (splitmix64).
 class Random {
 public:

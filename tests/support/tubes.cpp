@@ -7,15 +7,9 @@ namespace test {
 
 namespace {
 
-constexpr double PI = 3.14159265358979323846;
-
 uint32_t add_point(TriMesh& mesh, double x, double y, double z) {
     mesh.positions.insert(mesh.positions.end(), {x, y, z});
     return static_cast<uint32_t>(mesh.vertex_count() - 1);
-}
-
-void add_triangle(TriMesh& mesh, uint32_t a, uint32_t b, uint32_t c) {
-    mesh.triangles.insert(mesh.triangles.end(), {a, b, c});
 }
 
 // Two triangles between the sides (a, b) of one ring and (c, d) of the next.

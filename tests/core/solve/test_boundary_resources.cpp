@@ -190,13 +190,13 @@ TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
                 EXPECT_EQ(fails(0, 0, allocations, reports), HMF_OK);
                 EXPECT_EQ(meter.used, held);
             } else allocations = 4000, reports = 2000;
-            for (uint64_t n = 1; n <= allocations; n += 1 + allocations / sample(48, 24)) {
+            for (uint64_t n = 1; n <= allocations; n += 1 + allocations / sample(48, 8)) {
                 const hmf_status s = fails(n, 0, ignored, ignored);
                 if (s == HMF_OK && keeps) return ++number, s; // there were fewer
                 EXPECT_EQ(s, HMF_ERROR_MEMORY) << "allocation " << n;
                 EXPECT_EQ(meter.used, held);
             }
-            for (uint64_t n = 1; n < reports; n += 1 + reports / sample(24, 12)) {
+            for (uint64_t n = 1; n < reports; n += 1 + reports / sample(24, 5)) {
                 const hmf_status s = fails(0, n, ignored, ignored);
                 if (s == HMF_OK && keeps) return ++number, s;
                 EXPECT_EQ(s, HMF_CANCELLED) << "report " << n;

@@ -478,7 +478,7 @@ void run(size_t usual, Family family, size_t one_in = 200) {
 
 } // namespace
 
-TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) { run(sample(14, 4), Family::usual); }
+TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) { run(sample(14, 2), Family::usual); }
 
 // One to nine marked vertices at random, four at least on a sphere.
 TEST(Campaign, MarkedVertices) { run(sample(10, 4), Family::marked); }

@@ -552,8 +552,8 @@ TEST(Marked, LibraryLoops) {
 // Energies must not depend on the hierarchy, and the values go through all levels.
 // HMF_MARKED_CASES: number of cases; 500 take a few minutes.
 TEST(Marked, RandomMarks) {
-    const size_t cases =
-        std::getenv("HMF_MARKED_CASES") ? std::strtoul(std::getenv("HMF_MARKED_CASES"), nullptr, 10) : 24;
+    const size_t cases = std::getenv("HMF_MARKED_CASES") ? std::strtoul(std::getenv("HMF_MARKED_CASES"), nullptr, 10)
+                                                         : sample<size_t>(24, 8);
     Random random(31);
     for (size_t n = 0; n < cases; ++n) {
         const size_t count = 4 + random.below(n % 4 == 3 ? 97 : 20);

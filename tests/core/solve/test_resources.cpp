@@ -93,7 +93,7 @@ TEST_P(OfEachFunction, EveryAllocationMayFail) {
         const uint64_t all = calls;
         EXPECT_GT(all, 0u);
         // All of the first ones, then fewer: loops of the same allocations.
-        for (uint64_t fail = 1; fail <= all; fail += 1 + fail / sample(128, 48))
+        for (uint64_t fail = 1; fail <= all; fail += 1 + fail / sample(128, 24))
             ASSERT_EQ(run(fail, nullptr), HMF_ERROR_MEMORY) << "allocation " << fail << " of " << all;
         // After a failure the same foliation is as good as before.
         ASSERT_EQ(function.call(nullptr, &bits), HMF_OK);
@@ -425,7 +425,7 @@ TEST(ProgressOf, TheBuild) {
     EXPECT_EQ(all.last, 1);
     ASSERT_GE(all.calls, 3u);
     // The last call reports the end; there is nothing left to cancel.
-    for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / sample(50, 25)) {
+    for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / sample(50, 12)) {
         for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, 12345}) {
             Progress progress;
             progress.stop = stop;
@@ -461,7 +461,7 @@ TEST_P(OfEachFunction, EveryReportMayCancel) {
         const std::string name = function.name;
         if (name.compare(0, 9, "hmf_solve") == 0 || name == "hmf_relax") return;
         for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, -5})
-            for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / sample(50, 25)) {
+            for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / sample(50, 12)) {
                 Progress progress;
                 progress.stop = stop;
                 progress.answer = answer;
