@@ -206,7 +206,7 @@ double median(std::vector<double> x) {
 }
 
 #if HMF_HAVE_CHOLMOD
-// Seconds to order, factorise and solve; negative: failed.
+// Seconds to order, factorize and solve; negative: failed.
 double run_cholmod(const System& s, std::vector<double>& x) {
     cholmod_common common;
     cholmod_start(&common);

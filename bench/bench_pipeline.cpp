@@ -64,7 +64,7 @@ hmf_control control_of_threads() {
 }
 
 // With --cpu all work is on one thread, so its processor time is the wall time of an idle
-// machine; on a shared one the wall time mostly measures the neighbours.
+// machine; on a shared one the wall time mostly measures the neighbors.
 bool processor_clock = false;
 double now() {
     if (!processor_clock) return wall();
@@ -153,7 +153,7 @@ struct Cell {
 
 struct LevelCost {
     double vertices = 0, edges = 0;
-    Cell optimise, interpolate, optimise_bound, interpolate_bound;
+    Cell optimize, interpolate, optimize_bound, interpolate_bound;
     uint64_t sweeps = 0, linear_solves = 0;
 };
 
@@ -190,7 +190,7 @@ std::string blas() {
     return name;
 }
 
-// Seconds to analyse, factorise and solve the cotangent Laplacian of the
+// Seconds to analyse, factorize and solve the cotangent Laplacian of the
 // caller's mesh with one vertex pinned; negative: failed.  Filling the matrix
 // is not counted.
 double run_cholesky(const std::vector<uint32_t>& ends, const std::vector<double>& weight, size_t vertices) {
@@ -377,12 +377,12 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
         to.edges = e;
         to.sweeps = from.iterations;
         to.linear_solves = from.linear_solves;
-        to.optimise.add(from.optimize_seconds);
+        to.optimize.add(from.optimize_seconds);
         to.interpolate.add(from.interpolate_seconds);
-        // Optimise: weight, two ends, value read and written.  Interpolate:
+        // Optimize: weight, two ends, value read and written.  Interpolate:
         // coarse values read, fine ones written, the sides of the triangles
         // read (12 bytes for 2/3 triangle an edge).
-        to.optimise_bound.add(32 * e / bandwidth);
+        to.optimize_bound.add(32 * e / bandwidth);
         to.interpolate_bound.add((8 * c + 8 * e + 8 * e) / bandwidth);
         accounted += from.optimize_seconds + from.interpolate_seconds;
     }
@@ -519,9 +519,9 @@ void print(const std::vector<Soup>& soups, const std::vector<Result>& results, c
             if (l + 1 < r.level.size())
                 std::printf("| interpolate to %zu | %.0f | %s | %s | | |\n", l, c.vertices,
                             c.interpolate.text("%.4f").c_str(), c.interpolate_bound.text("%.4f").c_str());
-            std::printf("| optimise %zu%s | %.0f | %s | %s | %llu | %llu |\n", l,
-                        l + 1 == r.level.size() ? " (coarsest)" : "", c.vertices, c.optimise.text("%.4f").c_str(),
-                        c.optimise_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solves),
+            std::printf("| optimize %zu%s | %.0f | %s | %s | %llu | %llu |\n", l,
+                        l + 1 == r.level.size() ? " (coarsest)" : "", c.vertices, c.optimize.text("%.4f").c_str(),
+                        c.optimize_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solves),
                         static_cast<unsigned long long>(c.sweeps));
         }
         std::printf("| rest of solve | | %s | | | |\n", r.rest.text("%.4f").c_str());

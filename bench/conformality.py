@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How conformal the parameterisation is: conformality.py HMF MESH.obj ...
+"""How conformal the parameterization is: conformality.py HMF MESH.obj ...
 
 Prints a table in Markdown, one row a mesh, meshes whose smallest angle exceeds
 15 degrees first.  Mean: of the dilatation (ratio of the singular values), weighted by area.
@@ -15,7 +15,7 @@ def row(tool, mesh):
     info = json.loads(subprocess.run([tool, "info", mesh, "--json"], check=True, stdout=subprocess.PIPE).stdout.decode())
     with tempfile.TemporaryDirectory() as folder:
         report = os.path.join(folder, "report.json")
-        # Without a parameterisation the status is not 0, but there is a report.
+        # Without a parameterization the status is not 0, but there is a report.
         subprocess.run([tool, "solve", mesh, "--report", report, "--conformality"], stdout=subprocess.DEVNULL)
         with open(report) as f:
             numbers = json.load(f)
@@ -30,7 +30,7 @@ def main():
     print("|---|---|---|---|---|---|---|---|---|---|")
     for info, r, mesh in rows:
         if "dilatation_mean" not in r:
-            print("| %s | %d | %d | %.1f | not parameterised |" % (os.path.basename(mesh), info["triangles"], info["genus"], info["min_angle"]))
+            print("| %s | %d | %d | %.1f | not parameterized |" % (os.path.basename(mesh), info["triangles"], info["genus"], info["min_angle"]))
             continue
         p99 = "%.3f" % r["dilatation_p99"] if r["dilatation_p99"] is not None else "-"
         job = r["build_seconds"] + r["loops_seconds"] + r["solve_seconds"]

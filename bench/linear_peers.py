@@ -12,7 +12,7 @@ functions has to do.  The job of hmf is build + loops + solve to 1e-8, as bench_
   gamg           PETSc's own multigrid, the same
 
 Each solve is a process of its own with one thread; processor time of setup and of solving, without reading, filling the matrix,
-or finding neighbours.  One diagonal entry is doubled, which makes the matrix definite; the right-hand side is the mass
+or finding neighbors.  One diagonal entry is doubled, which makes the matrix definite; the right-hand side is the mass
 matrix times a coordinate less its mean.  The residual in the table is computed here, not told by the peer.  Repetitions are
 the outer loop; ratios are taken inside one, and the table has their medians.
 """
@@ -64,10 +64,10 @@ def laplacian(points, faces):
 def solve_gravo_mg(problem, a, b):
     import gravomg
     points = gravomg.normalize_area(problem["points"], problem["faces"])
-    neighbours = gravomg.neighbors_from_stiffness(a.tocsc())
+    neighbors = gravomg.neighbors_from_stiffness(a.tocsc())
     mass = sparse.diags(problem["mass"]).tocsr()
     start = time.process_time()
-    solver = gravomg.MultigridSolver(points, neighbours, mass, tolerance=TOLERANCE, max_iter=2000)
+    solver = gravomg.MultigridSolver(points, neighbors, mass, tolerance=TOLERANCE, max_iter=2000)
     between = time.process_time()
     x = solver.solve(a, b.reshape(-1, 1))
     return np.asarray(x).ravel(), between - start, time.process_time() - between

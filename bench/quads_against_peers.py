@@ -174,11 +174,11 @@ def picture(points, made, size=700):
         light = normal @ [0.3, 0.4, 0.87] / np.maximum(norm(normal), 1e-300)
         tile = Image.new("RGB", (2 * size, 2 * size), "white")
         draw = ImageDraw.Draw(tile)
-        centre = (flat[:, :2].max(0) + flat[:, :2].min(0)) / 2
+        center = (flat[:, :2].max(0) + flat[:, :2].min(0)) / 2
         for q in np.argsort(p[:, :, 2].mean(1)):
             if normal[q, 2] <= 0: continue
             shade = int(120 + 130 * max(light[q], 0))
-            at = [(size + scale * (x - centre[0]), size - scale * (y - centre[1])) for x, y in p[q, :, :2]]
+            at = [(size + scale * (x - center[0]), size - scale * (y - center[1])) for x, y in p[q, :, :2]]
             draw.polygon(at, fill=(shade, shade, min(255, shade + 8)), outline=(40, 40, 60))
         tiles.append(tile.resize((size, size), Image.LANCZOS))
     whole = Image.new("RGB", (size * len(tiles), size), "white")

@@ -71,12 +71,12 @@ private:
         for (size_t i = 0; i < sheet_.triangles.size(); ++i)
             sides_.insert({{sheet_.triangles[i], sheet_.triangles[i - i % 3 + (i + 1) % 3]}, 0});
         on_boundary_.assign(sheet_.vertex_count(), 0);
-        neighbours_.resize(sheet_.vertex_count());
+        neighbors_.resize(sheet_.vertex_count());
         for (const auto& side : sides_) {
             const Side s = side.first;
-            neighbours_[s.first].push_back(s.second);
+            neighbors_[s.first].push_back(s.second);
             if (sides_.count({s.second, s.first})) continue;
-            neighbours_[s.second].push_back(s.first);
+            neighbors_[s.second].push_back(s.first);
             on_boundary_[s.first] = on_boundary_[s.second] = 1;
         }
         for (uint32_t v = 0; v < sheet_.vertex_count(); ++v)
@@ -125,7 +125,7 @@ private:
             std::vector<uint32_t> before(sheet_.vertex_count(), HMF_NONE), queue{to};
             before[to] = to;
             for (size_t i = 0; i < queue.size() && before[from] == HMF_NONE; ++i)
-                for (const uint32_t w : neighbours_[queue[i]]) {
+                for (const uint32_t w : neighbors_[queue[i]]) {
                     const bool blocked = w != from && (on_boundary_[w] || (taken[w] && !over_others));
                     if (blocked || before[w] != HMF_NONE) continue;
                     if (w == from && i == 0) continue; // not along an edge
@@ -210,7 +210,7 @@ private:
     Sheet sheet_;
     std::map<Side, int> sides_;
     std::vector<uint8_t> on_boundary_;
-    std::vector<std::vector<uint32_t>> neighbours_;
+    std::vector<std::vector<uint32_t>> neighbors_;
     std::vector<uint32_t> boundary_, marks_;
     int64_t marks_of_double_ = 0;
     Owned<hmf_hierarchy> hierarchy_;

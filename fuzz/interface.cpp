@@ -102,7 +102,7 @@ private:
         build_.marked_count = marks_.size();
     }
 
-    // A vertex on top of a neighbour, or on the line between two.
+    // A vertex on top of a neighbor, or on the line between two.
     void flatten() {
         build_.mollify = (1 + bytes_.below(20)) / 1000.0;
         const uint32_t* const corner = &surface_.triangles[wide() % triangles() * 3];

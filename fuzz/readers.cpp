@@ -67,9 +67,9 @@ void read(std::string_view bytes, readers::Format format) {
     using namespace readers;
     const size_t lines = 1 + static_cast<size_t>(std::count(bytes.begin(), bytes.end(), '\n'));
     // Files beside a .gltf: one that is the file again, no other.
-    const auto neighbour = [bytes](const std::string& name) { return name == "self" ? bytes : std::string_view(); };
+    const auto neighbor = [bytes](const std::string& name) { return name == "self" ? bytes : std::string_view(); };
     try {
-        const TriangleMesh mesh = read_mesh(bytes, format, neighbour);
+        const TriangleMesh mesh = read_mesh(bytes, format, neighbor);
         FUZZ_ASSERT(!mesh.positions.empty() && mesh.positions.size() % 3 == 0);
         FUZZ_ASSERT(!mesh.triangles.empty() && mesh.triangles.size() % 3 == 0);
         for (const double x : mesh.positions) FUZZ_ASSERT(std::isfinite(x));

@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
     status = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &hierarchy, &error);
     if (!status) status = hmf_solve_cut_system(hierarchy, NULL, NULL, &foliation, &error);
     if (status) fprintf(stderr, "%s: %s\n", hmf_status_string(status), error.message);
-    if (foliation) { /* also if a limit ended the optimisation */
+    if (foliation) { /* also if a limit ended the optimization */
         report = hmf_foliation_report(foliation);
         values = hmf_foliation_values(foliation, &edge_count);
         printf("genus %lu, energy %.9g, largest residual %.1e, zeros %lu, poles %lu, %.2f s\n",

@@ -1,4 +1,4 @@
-// Share of light that reaches what a picture shows: neighbours above the tangent plane take some away.  Found at every
+// Share of light that reaches what a picture shows: neighbors above the tangent plane take some away.  Found at every
 // third pixel of every third row, blurred there, and interpolated; never across a step in depth.
 #pragma once
 

@@ -180,14 +180,14 @@ View best_view(const Samples& samples, const std::vector<Target>& targets, const
 
     Vec middle;
     for (const Vec p : samples.points) middle = middle + (1.0 / double(samples.points.size())) * p;
-    // The grid is centred at the origin.
-    Samples centred = samples;
+    // The grid is centered at the origin.
+    Samples centered = samples;
     double reach = 0;
-    for (Vec& p : centred.points) {
+    for (Vec& p : centered.points) {
         p = p - middle;
         reach = std::max(reach, length(p));
     }
-    centred.size = 2 * reach;
+    centered.size = 2 * reach;
 
     constexpr size_t TURNS = 16;
     // Height above the horizon, and how much it is liked.
@@ -201,7 +201,7 @@ View best_view(const Samples& samples, const std::vector<Target>& targets, const
         const auto [height, liking] = heights[k / TURNS];
         const double angle = 6.283185307179586 * double(k % TURNS) / TURNS + 0.346;
         const View view{unit(std::cos(angle) * axis + std::sin(angle) * side + height * up), up};
-        const DepthGrid grid(centred, view);
+        const DepthGrid grid(centered, view);
         double seen = 0, all = 0;
         for (const Target& target : targets) {
             size_t count = 0;
@@ -246,9 +246,9 @@ Camera place_camera(const std::vector<Vec>& points, const Samples& samples, cons
             high[a] = i ? std::max(high[a], c[a]) : c[a];
         }
     }
-    camera.centre = 0.5 * (low[0] + high[0]) * camera.right + 0.5 * (low[1] + high[1]) * camera.up
+    camera.center = 0.5 * (low[0] + high[0]) * camera.right + 0.5 * (low[1] + high[1]) * camera.up
                   + 0.5 * (low[2] + high[2]) * camera.forward;
-    // Perspective moves near parts outward: centre what is seen, and again.
+    // Perspective moves near parts outward: center what is seen, and again.
     for (int round = 0; round < 3; ++round) {
         camera.back = distance(samples.points);
         double left = 1e300, right = -1e300, bottom = 1e300, top = -1e300;
@@ -259,8 +259,8 @@ Camera place_camera(const std::vector<Vec>& points, const Samples& samples, cons
             bottom = std::min(bottom, -c.y / c.z);
             top = std::max(top, -c.y / c.z);
         }
-        camera.centre =
-            camera.centre + 0.5 * camera.back * ((left + right) * camera.right + (bottom + top) * camera.up);
+        camera.center =
+            camera.center + 0.5 * camera.back * ((left + right) * camera.right + (bottom + top) * camera.up);
     }
     camera.back = distance(points);
     return camera;

@@ -10,12 +10,12 @@
 
 namespace cli {
 
-// Camera at distance `back` from the centre, looking along -forward.
+// Camera at distance `back` from the center, looking along -forward.
 struct Camera {
-    Vec right, up, forward, centre;
+    Vec right, up, forward, center;
     double back = 1, focal = 3.2; // focal: half height of the picture is 1
     Vec to_camera(Vec p) const {
-        const Vec d = p - centre;
+        const Vec d = p - center;
         return {dot(d, right), dot(d, up), dot(d, forward) - back};
     }
     Vec turn(Vec n) const { return {dot(n, right), dot(n, up), dot(n, forward)}; }

@@ -9,7 +9,7 @@ namespace {
 // So far outside, in barycentric coordinates, a place still counts as on the triangle: no gap opens along a side.
 constexpr double SLACK = 1e-9;
 
-constexpr float COLOUR_UNIT = 32768, NORMAL_UNIT = 16384;
+constexpr float COLOR_UNIT = 32768, NORMAL_UNIT = 16384;
 
 int clamped(double x, int low, int high) { return x <= low ? low : x >= high ? high : int(x); }
 
@@ -202,7 +202,7 @@ void Canvas::keep_row(size_t y, const Batch& row) {
     Lit* const kept = &lit_[y * wide_];
     for (size_t x = 0; x < wide_; ++x)
         for (size_t c = 0; c < 3; ++c) {
-            kept[x].colour[c] = uint16_t(int(std::min(65535.0f, row.albedo[c][x] * COLOUR_UNIT + 0.5f)));
+            kept[x].color[c] = uint16_t(int(std::min(65535.0f, row.albedo[c][x] * COLOR_UNIT + 0.5f)));
             kept[x].normal[c] = int16_t(int(row.normal[c][x] * NORMAL_UNIT));
         }
 }
@@ -309,7 +309,7 @@ AmbientLight Canvas::ambient_light(double radius) const {
 }
 
 // The same along each row, which compresses well.
-Colour Canvas::background(size_t row) const {
+Color Canvas::background(size_t row) const {
     const double fall = double(row) / height_;
     return {0.95 - 0.16 * fall, 0.955 - 0.15 * fall, 0.97 - 0.13 * fall};
 }
@@ -335,7 +335,7 @@ public:
         pixel[1] = byte_of(green);
         pixel[2] = byte_of(blue);
     }
-    void put(uint8_t* pixel, Colour c) const { put(pixel, float(c.x), float(c.y), float(c.z)); }
+    void put(uint8_t* pixel, Color c) const { put(pixel, float(c.x), float(c.y), float(c.z)); }
 
 private:
     static constexpr size_t STEPS = 4096;
@@ -365,15 +365,15 @@ Image Canvas::background_image() const {
     return image;
 }
 
-void Canvas::resolve(size_t band, const AmbientLight& open, const Rough& rough, const std::vector<Colour>& sums,
+void Canvas::resolve(size_t band, const AmbientLight& open, const Rough& rough, const std::vector<Color>& sums,
                      Image& image) const {
     const auto pixel = [&](size_t at) { return &image.rgb[3 * ((at / wide_ + top_) * width_ + at % wide_ + left_)]; };
     for (size_t y = first_row(band); y < end_row(band); ++y) {
         uint8_t* const row = pixel(y * wide_);
         for (size_t x = 0, at = y * wide_; x < wide_; ++x, ++at) {
             if (front_[at].triangle == NONE) continue;
-            const float light = open_at(open, at) / COLOUR_UNIT;
-            const uint16_t* const c = lit_[at].colour;
+            const float light = open_at(open, at) / COLOR_UNIT;
+            const uint16_t* const c = lit_[at].color;
             gamma_table.put(row + 3 * x, light * c[0], light * c[1], light * c[2]);
         }
     }

@@ -20,7 +20,7 @@
 
 namespace cli {
 
-using Colour = Vec; // linear light
+using Color = Vec; // linear light
 
 struct Image {
     unsigned width = 0, height = 0;
@@ -68,7 +68,7 @@ struct Spot {
 };
 
 struct Shaded {
-    Colour albedo;
+    Color albedo;
     Vec normal; // in the camera's frame, of any length but 0
 };
 
@@ -98,7 +98,7 @@ public:
         Image image = background_image();
         workers_.each(bands(), [&](size_t band) {
             const Rough rough = find_rough(band);
-            std::vector<Colour> sums(rough.pixels.size());
+            std::vector<Color> sums(rough.pixels.size());
             shade_rough(rough, material, open, sums);
             resolve(band, open, rough, sums, image);
         });
@@ -121,8 +121,8 @@ private:
     };
     // What is seen at a pixel.
     struct Lit {
-        uint16_t colour[3]; // in 1 / 32768
-        int16_t normal[3];  // in 1 / 16384
+        uint16_t color[3]; // in 1 / 32768
+        int16_t normal[3]; // in 1 / 16384
     };
     // Pixels of a band that get more samples.
     struct Rough {
@@ -141,7 +141,7 @@ private:
             albedo[0][k] = float(a.x), albedo[1][k] = float(a.y), albedo[2][k] = float(a.z);
             normal[0][k] = float(n.x), normal[1][k] = float(n.y), normal[2][k] = float(n.z);
         }
-        Colour colour(size_t k) const { return {double(albedo[0][k]), double(albedo[1][k]), double(albedo[2][k])}; }
+        Color color(size_t k) const { return {double(albedo[0][k]), double(albedo[1][k]), double(albedo[2][k])}; }
     };
 
     // The triangle that was shaded last: the next pixel often lies on it too.
@@ -180,7 +180,7 @@ private:
     // Samples on one triangle are shaded together, at their middle.
     template <class Material>
     void shade_rough(const Rough& rough, const Material& material, const AmbientLight& open,
-                     std::vector<Colour>& sums) const {
+                     std::vector<Color>& sums) const {
         struct Part {
             uint32_t pixel;
             uint32_t samples;
@@ -216,10 +216,10 @@ private:
         }
         light(batch);
         for (size_t k = 0; k < parts.size(); ++k) {
-            Colour& sum = sums[parts[k].pixel];
+            Color& sum = sums[parts[k].pixel];
             sum = sum
                 + double(parts[k].samples) / FINE * double(open_at(open, rough.pixels[parts[k].pixel]))
-                      * batch.colour(k);
+                      * batch.color(k);
         }
     }
 
@@ -244,9 +244,9 @@ private:
     float open_at(const AmbientLight& open, size_t at) const {
         return open.at(at % wide_, at / wide_, front_[at].triangle == NONE ? 0 : -1 / front_[at].w);
     }
-    Colour background(size_t row) const;
+    Color background(size_t row) const;
     Image background_image() const;
-    void resolve(size_t band, const AmbientLight& open, const Rough& rough, const std::vector<Colour>& sums,
+    void resolve(size_t band, const AmbientLight& open, const Rough& rough, const std::vector<Color>& sums,
                  Image& image) const;
 
     unsigned width_, height_;

@@ -173,7 +173,7 @@ std::string manual_page(const std::string& version, const DescribeAll& all) {
     }
     out +=
         ".SH DESCRIPTION\nComputes harmonic measured foliations on triangle meshes, closed or with boundary (spheres "
-        "and disks with marked vertices), and from them conformal parameterisations, quad meshes and stripe patterns.\n"
+        "and disks with marked vertices), and from them conformal parameterizations, quad meshes and stripe patterns.\n"
         ".SH COMMANDS\n";
     for (const Table& t : tables) {
         out += ".SS hmf " + t.command + "\n" + roff(t.about) + "\n";

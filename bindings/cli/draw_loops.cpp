@@ -21,7 +21,7 @@ namespace {
 
 [[noreturn]] void refuse_points(const std::string& sentence) { throw Failure(EXIT_USAGE, "--through: " + sentence); }
 
-// Neighbours of the vertices.
+// Neighbors of the vertices.
 class Ways {
 public:
     explicit Ways(const TriangleMesh& mesh) : mesh_(mesh), first_(mesh.vertex_count() + 1, 0) {
@@ -83,7 +83,7 @@ public:
 
 private:
     const TriangleMesh& mesh_;
-    std::vector<size_t> first_; // of the neighbours of each vertex
+    std::vector<size_t> first_; // of the neighbors of each vertex
     std::vector<uint32_t> to_, before_;
     std::vector<double> distance_;
 };

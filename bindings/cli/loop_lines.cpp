@@ -49,15 +49,15 @@ struct Gate {
 };
 using Strip = std::vector<Gate>; // closed
 
-constexpr uint32_t NO_NEIGHBOUR = 0xffffffffu;
+constexpr uint32_t NO_NEIGHBOR = 0xffffffffu;
 
 // The triangles of a mesh across their edges.
-class Neighbours {
+class Neighbors {
 public:
-    explicit Neighbours(const Foliation& f) : f_(f), of_edge_(f.values.size(), {NO_NEIGHBOUR, NO_NEIGHBOUR}) {
+    explicit Neighbors(const Foliation& f) : f_(f), of_edge_(f.values.size(), {NO_NEIGHBOR, NO_NEIGHBOR}) {
         for (size_t k = 0; k < f.triangle_edges.size(); ++k) {
             auto& pair = of_edge_[f.triangle_edges[k]];
-            (pair[0] == NO_NEIGHBOUR ? pair[0] : pair[1]) = uint32_t(k / 3);
+            (pair[0] == NO_NEIGHBOR ? pair[0] : pair[1]) = uint32_t(k / 3);
         }
     }
     // The side of the triangle from corner a to corner b, whichever comes first; 3: none.
@@ -146,7 +146,7 @@ std::vector<double> funnel(const std::vector<Planar>& left, const std::vector<Pl
 }
 
 // Where the shortest closed curve in a strip crosses the gates.
-std::vector<double> shortest(const Foliation& f, const Neighbours& beside, const Strip& gates) {
+std::vector<double> shortest(const Foliation& f, const Neighbors& beside, const Strip& gates) {
     const size_t n = gates.size();
     std::vector<double> fraction(n, 0.5);
     constexpr int ROUNDS = 4;
@@ -205,7 +205,7 @@ double angle(const PlanePoint& a, const PlanePoint& v, const PlanePoint& b) {
 
 // The strip round the other side of the vertex v that the gates from a, so many, have on one side; empty where a
 // boundary is in the way, or a half turn or more lies on that side.
-Strip other_side(const Foliation& f, const Neighbours& beside, const Strip& gates, const Line& line, size_t a,
+Strip other_side(const Foliation& f, const Neighbors& beside, const Strip& gates, const Line& line, size_t a,
                  size_t count, bool is_left) {
     const size_t n = gates.size();
     const Gate before = gates[(a + n - 1) % n], last = gates[(a + count - 1) % n];
@@ -217,7 +217,7 @@ Strip other_side(const Foliation& f, const Neighbours& beside, const Strip& gate
     Strip strip;
     for (int k = 0; k < 1000; ++k) {
         const uint32_t next = beside.across(triangle, x, v);
-        if (next == NO_NEIGHBOUR) return {};
+        if (next == NO_NEIGHBOR) return {};
         strip.push_back(is_left ? Gate{x, v, next} : Gate{v, x, next});
         triangle = next;
         if (triangle == last.behind) return x == end && turned < 3.14159265 ? strip : Strip{};
@@ -229,7 +229,7 @@ Strip other_side(const Foliation& f, const Neighbours& beside, const Strip& gate
 }
 
 // Leads the strip round the other side of vertices where its curve has a corner; false: there is none.
-bool pass_corners(const Foliation& f, const Neighbours& beside, Strip& gates, const std::vector<double>& fraction,
+bool pass_corners(const Foliation& f, const Neighbors& beside, Strip& gates, const std::vector<double>& fraction,
                   const Line& line) {
     const size_t n = gates.size();
     std::vector<uint8_t> busy(n, 0), gone(n, 0);
@@ -266,7 +266,7 @@ bool pass_corners(const Foliation& f, const Neighbours& beside, Strip& gates, co
 }
 
 // The shortest closed curve that is met in so many rounds.
-Line straightened(const Foliation& f, const Neighbours& beside, Strip gates, int rounds) {
+Line straightened(const Foliation& f, const Neighbors& beside, Strip gates, int rounds) {
     drop_spurs(gates);
     Line best;
     for (int round = 0; gates.size() >= 3; ++round) {
@@ -280,24 +280,24 @@ Line straightened(const Foliation& f, const Neighbours& beside, Strip gates, int
 }
 
 // The strip on the left of a closed path of vertices; empty where there is no triangle.
-Strip left_strip(const Foliation& f, const Neighbours& beside, const std::vector<uint32_t>& path) {
+Strip left_strip(const Foliation& f, const Neighbors& beside, const std::vector<uint32_t>& path) {
     const size_t n = path.size();
-    std::vector<uint32_t> place_of(f.positions.size() / 3, NO_NEIGHBOUR), left(n, NO_NEIGHBOUR);
+    std::vector<uint32_t> place_of(f.positions.size() / 3, NO_NEIGHBOR), left(n, NO_NEIGHBOR);
     for (size_t i = 0; i < n; ++i) place_of[path[i]] = uint32_t(i);
     for (uint32_t t = 0; t < f.triangle_count(); ++t)
         for (unsigned c = 0; c < 3; ++c)
             if (const uint32_t i = place_of[beside.corner(t, c)];
-                i != NO_NEIGHBOUR && path[(i + 1) % n] == beside.corner(t, c + 1))
+                i != NO_NEIGHBOR && path[(i + 1) % n] == beside.corner(t, c + 1))
                 left[i] = t;
     Strip strip;
     for (size_t i = 0; i < n; ++i) {
         const uint32_t v = path[(i + 1) % n], goal = path[(i + 2) % n];
         uint32_t triangle = left[i];
-        if (triangle == NO_NEIGHBOUR) return {};
+        if (triangle == NO_NEIGHBOR) return {};
         uint32_t x = beside.third(triangle, path[i], v);
         for (int k = 0; x != goal; ++k) {
             triangle = beside.across(triangle, x, v);
-            if (triangle == NO_NEIGHBOUR || k == 1000) return {};
+            if (triangle == NO_NEIGHBOR || k == 1000) return {};
             strip.push_back({x, v, triangle});
             x = beside.third(triangle, x, v);
         }
@@ -326,7 +326,7 @@ Strip triangle_strip(const Foliation& f, const std::vector<uint32_t>& triangles)
 std::vector<Line> loop_lines(const Foliation& f, const hmf_loop_set& loops) {
     // A caller's loop is drawn where it lies, only without kinks.
     constexpr int OF_CALLER = 8, OF_LIBRARY = 200;
-    const Neighbours beside(f);
+    const Neighbors beside(f);
     std::vector<Line> lines;
     for (size_t c = 0; c < loops.count; ++c) {
         const std::vector<uint32_t> elements(loops.elements + loops.offsets[c], loops.elements + loops.offsets[c + 1]);

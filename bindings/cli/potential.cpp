@@ -125,7 +125,7 @@ private:
         const uint32_t edge = f_.triangle_edges[3 * t + s];
         unsigned r = 0;
         while (r < 2 && f_.triangle_edges[3 * n + r] != edge) ++r;
-        // Neighbours run through their edge in opposite senses.
+        // Neighbors run through their edge in opposite senses.
         double start = p_.u[t][(s + 1) % 3], end = p_.u[t][s];
         if (p_.piece[t] == Piece::tripod) start = -start;
         if (side(t, s) == 0) {

@@ -65,12 +65,12 @@ TriangleMesh read_mesh(const std::string& path) {
         throw Failure(EXIT_BAD_INPUT,
                       shown(path) + ": neither its name nor its content says what it is; give " + known);
     std::map<std::string, FileBytes> beside;
-    const auto neighbour = [&](const std::string& name) {
+    const auto neighbor = [&](const std::string& name) {
         const std::string folder = path.substr(0, path.find_last_of("/\\") + 1);
         return beside.try_emplace(name, folder + name).first->second.view();
     };
     try {
-        return readers::read_mesh(bytes, *format, neighbour);
+        return readers::read_mesh(bytes, *format, neighbor);
     } catch (const readers::MeshError& error) {
         std::string sentence =
             shown(path) + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": " + error.what();

@@ -24,7 +24,7 @@ namespace cli {
 
 namespace {
 
-constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42},
+constexpr Color RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, GREEN{0.01, 0.33, 0.06}, GRAY{0.42, 0.42, 0.42},
     DARK{0.09, 0.11, 0.16};
 constexpr Ink BLUE_INK{48, 90, 222}, YELLOW_INK{250, 200, 40}, VIOLET_INK{170, 60, 180}, GREEN_INK{30, 150, 60},
     RED_INK{205, 44, 52}, WHITE_INK{250, 248, 243}, BLACK_INK{25, 28, 36};
@@ -64,17 +64,17 @@ void tripod_slope(const std::array<double, 3>& u, const double* b, double* slope
 }
 
 // Light where a triangle keeps its shape, over orange to dark where it is stretched twofold.
-Colour colour_of_dilatation(double dilatation) {
+Color color_of_dilatation(double dilatation) {
     const double t = std::clamp(std::log2(std::max(1.0, dilatation)), 0.0, 1.0);
-    static const Colour ramp[4] = {{0.95, 0.94, 0.90}, {0.92, 0.62, 0.16}, {0.72, 0.09, 0.06}, {0.10, 0.01, 0.06}};
+    static const Color ramp[4] = {{0.95, 0.94, 0.90}, {0.92, 0.62, 0.16}, {0.72, 0.09, 0.06}, {0.10, 0.01, 0.06}};
     const int k = std::min(2, int(3 * t));
     return (1 - (3 * t - k)) * ramp[k] + (3 * t - k) * ramp[k + 1];
 }
 
 // White at the mean, blue where the scale is a quarter of it and less, red where it is four times as large.
-Colour colour_of_scale(double x) {
+Color color_of_scale(double x) {
     const double strength = std::min(1.0, std::fabs(x));
-    return strength * (x < 0 ? Colour{0.03, 0.13, 0.75} : RED) + (1 - strength) * WHITE;
+    return strength * (x < 0 ? Color{0.03, 0.13, 0.75} : RED) + (1 - strength) * WHITE;
 }
 
 std::vector<double> scale_of_vertices(const std::vector<Vec>& points, const std::vector<uint32_t>& triangles,
@@ -227,13 +227,13 @@ private:
         return share_of_red(value * per_period, 0.8 * spot.change(numerator, value) * per_period);
     }
 
-    Colour albedo(const Face& face, const Spot& spot) const {
+    Color albedo(const Face& face, const Spot& spot) const {
         double red = 0;
         switch (face.kind) {
         case Kind::rod: return GREEN;
-        case Kind::bare: return GREY;
-        case Kind::dilatation: return colour_of_dilatation(std::exp2(spot.value(face.over)));
-        case Kind::scale: return colour_of_scale(spot.value(face.over));
+        case Kind::bare: return GRAY;
+        case Kind::dilatation: return color_of_dilatation(std::exp2(spot.value(face.over)));
+        case Kind::scale: return color_of_scale(spot.value(face.over));
         case Kind::quad: {
             // Along the grid lines, which are sides of the quad: where one of its coordinates is 0 or 1.
             double nearest = 1e9;
@@ -339,7 +339,7 @@ void draw_legend(Image& image, const std::vector<LegendRow>& rows, const Canvas&
         }
         if (row.kind == LegendRow::ramp)
             for (int k = 0; k < 24; ++k) {
-                const Colour c = colour_of_dilatation(std::exp2((k + 0.5) / 24));
+                const Color c = color_of_dilatation(std::exp2((k + 0.5) / 24));
                 const auto ink = [](double v) { return 255 * std::pow(v, 1 / 2.2); };
                 draw_box(image, x + unit * (k / 12.0 - 1), y - 0.5 * unit, x + unit * ((k + 1) / 12.0 - 1),
                          y + 0.5 * unit, {ink(c.x), ink(c.y), ink(c.z)});

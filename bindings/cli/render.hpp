@@ -18,7 +18,7 @@ enum class Pattern : int32_t {
     stripes,      // along the leaves
     checkerboard, // squares of (u, v)
     quads,        // the grid of a quad mesh
-    dilatation,   // how far from conformal the parameterisation is
+    dilatation,   // how far from conformal the parameterization is
     scale,        // log |grad u| from its mean
 };
 
@@ -38,7 +38,7 @@ struct PictureData {
     std::vector<const hmf_quad_mesh*> quads;
 };
 
-// Components without a foliation are grey.  control lends threads; the same bytes with every number of them.
+// Components without a foliation are gray.  control lends threads; the same bytes with every number of them.
 Image render(const Foliation& foliation, const Potential& potential, const PictureData& data,
              const std::vector<Line>& loops, const PictureStyle& style, const hmf_control* control = nullptr);
 

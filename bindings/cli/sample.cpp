@@ -6,7 +6,7 @@
 //        |   |   |          |  grid edge, end-on, with a change of sign
 //        o-------o
 //
-// Vertices then move to the mean of their neighbours and back to the surface,
+// Vertices then move to the mean of their neighbors and back to the surface,
 // which evens the triangles out.
 #include "sample.hpp"
 
@@ -163,18 +163,18 @@ TriangleMesh make_sample() {
                     quads.push_back(quad);
                 }
 
-    std::vector<std::vector<uint32_t>> neighbours(points.size());
+    std::vector<std::vector<uint32_t>> neighbors(points.size());
     for (const auto& quad : quads)
         for (size_t c = 0; c < 4; ++c) {
-            neighbours[quad[c]].push_back(quad[(c + 1) % 4]);
-            neighbours[quad[c]].push_back(quad[(c + 3) % 4]);
+            neighbors[quad[c]].push_back(quad[(c + 1) % 4]);
+            neighbors[quad[c]].push_back(quad[(c + 3) % 4]);
         }
     for (int pass = 0; pass < 12; ++pass) {
         std::vector<GridPoint> next = points;
         for (size_t v = 0; v < points.size(); ++v) {
             GridPoint mean{};
-            for (uint32_t w : neighbours[v])
-                for (size_t a = 0; a < 3; ++a) mean[a] += points[w][a] / double(neighbours[v].size());
+            for (uint32_t w : neighbors[v])
+                for (size_t a = 0; a < 3; ++a) mean[a] += points[w][a] / double(neighbors[v].size());
             for (size_t a = 0; a < 3; ++a) next[v][a] = 0.3 * points[v][a] + 0.7 * mean[a];
             move_to_surface(next[v]);
         }

@@ -56,7 +56,7 @@ Option image_size_option(SolveRequest& r) {
 }
 
 Option legend_option(SolveRequest& r) {
-    return Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image");
+    return Option{"--legend", &r.legend, "", "picture: what the colors mean"}.requires_one_of("--image");
 }
 
 Option mollify_option(SolveRequest& r) {
@@ -107,7 +107,7 @@ Options solve_options(SolveRequest& r) {
                "F per edge: .csv (vertex,vertex,value) or .npy; - is CSV; may be given once for each"}
             .writes(".csv .npy"),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
-        Option{"--conformality", &r.conformality, "", "report: also how conformal the parameterisation is"}
+        Option{"--conformality", &r.conformality, "", "report: also how conformal the parameterization is"}
             .requires_one_of("--report"),
         Option{"--history", &r.history, "FILE.csv", "energy and residual over time"}.writes(".csv"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),

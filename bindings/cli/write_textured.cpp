@@ -176,7 +176,7 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
     const auto one = [](Json element) { return Json::Array{std::move(element)}; };
     const Json attributes = {{"POSITION", 0}, {"TEXCOORD_0", 1}};
     const Json primitive = {{"attributes", attributes}, {"indices", 2}, {"material", 0}};
-    const Json colour = {{"baseColorTexture", Json{{"index", 0}}}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}};
+    const Json color = {{"baseColorTexture", Json{{"index", 0}}}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}};
     Json node = {{"mesh", 0}};
     if (origin != Place{}) node.set("translation", std::vector<double>(origin.begin(), origin.end()));
     const Json gltf = {
@@ -185,7 +185,7 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
         {"scenes", one(Json{{"nodes", std::vector<int>{0}}})},
         {"nodes", one(node)},
         {"meshes", one(Json{{"primitives", one(primitive)}})},
-        {"materials", one(Json{{"pbrMetallicRoughness", colour}})},
+        {"materials", one(Json{{"pbrMetallicRoughness", color}})},
         {"textures", one(Json{{"source", 0}, {"sampler", 0}})},
         {"samplers", one(Json{{"wrapS", 10497}, {"wrapT", 10497}, {"minFilter", 9987}, {"magFilter", 9729}})},
         {"images", one(Json{{"bufferView", 3}, {"mimeType", "image/png"}})},

@@ -162,7 +162,7 @@ export const options = ${JSON.stringify(options, null, 4)};
 `);
 writeFileSync(join(here, 'dist', 'options.d.ts'), optionTypes(options));
 
-// npm takes the licence only from the folder of the package.
+// npm takes the license only from the folder of the package.
 copyFileSync(join(root, 'LICENSE'), join(here, 'LICENSE'));
 
 const folders = ['core', 'applications'].flatMap(layer => readdirSync(join(root, 'src', layer)).map(name => join(root, 'src', layer, name)));

@@ -31,7 +31,7 @@ def timestamp() -> str:
     return datetime.fromtimestamp(int(seconds), timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def component(purl: str, description: str = "", scope: str = "required", range_: str = "", licence: str = "") -> dict:
+def component(purl: str, description: str = "", scope: str = "required", range_: str = "", license: str = "") -> dict:
     """One part; a manifest that allows a range has no version but the property "range"."""
     name, _, number = purl.rpartition("/")[2].partition("@")
     made = {"type": "library", "bom-ref": purl, "name": name, "scope": scope, "purl": purl}
@@ -39,8 +39,8 @@ def component(purl: str, description: str = "", scope: str = "required", range_:
         made["version"] = number
     if description:
         made["description"] = description
-    if licence:
-        made["licenses"] = [{"license": {"id": licence}}]
+    if license:
+        made["licenses"] = [{"license": {"id": license}}]
     if range_:
         made["properties"] = [{"name": "range", "value": range_}]
     return made
@@ -82,14 +82,14 @@ def bill() -> dict:
     number = version()
     manifest = json.loads((ROOT / "bindings/javascript/package.json").read_text())
     assert "dependencies" not in manifest, "the npm package needs something at run time: name it here"
-    core = component(f"{CORE}@{number}", "C library and command line tool, with its readers of mesh files", licence="MIT")
+    core = component(f"{CORE}@{number}", "C library and command line tool, with its readers of mesh files", license="MIT")
     wheel, npm = f"pkg:pypi/foliations@{number}", f"pkg:npm/foliations@{number}"
     raw, crate = f"pkg:cargo/foliations-sys@{number}", f"pkg:cargo/foliations@{number}"
     parts = [
-        component(wheel, "Python; holds the library", licence="MIT"),
-        component(raw, "Rust, raw; compiles the library", licence="MIT"),
-        component(crate, "Rust", licence="MIT"),
-        component(npm, "JavaScript; the library as WebAssembly", licence="MIT"),
+        component(wheel, "Python; holds the library", license="MIT"),
+        component(raw, "Rust, raw; compiles the library", license="MIT"),
+        component(crate, "Rust", license="MIT"),
+        component(npm, "JavaScript; the library as WebAssembly", license="MIT"),
         component("pkg:generic/c%2B%2B-runtime", "the C and C++ standard libraries of the system; nothing else"),
     ]
     python, rust = python_needs(), rust_needs()

@@ -72,7 +72,7 @@ std::optional<Format> format_of_content(std::string_view bytes) {
     return {};
 }
 
-TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& neighbour) {
+TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbor& neighbor) {
     if (bytes.empty()) throw MeshError("the file is empty");
     if (format != Format::stl && is_utf_16(bytes))
         throw MeshError("the text is in UTF-16, two bytes a character; save the file as UTF-8", 1);
@@ -89,7 +89,7 @@ TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& n
     case Format::off: mesh = read_off(bytes); break;
     case Format::ply: mesh = read_ply(bytes); break;
     case Format::stl: mesh = read_stl(bytes); break;
-    case Format::gltf: mesh = read_gltf(bytes, neighbour); break;
+    case Format::gltf: mesh = read_gltf(bytes, neighbor); break;
     case Format::medit: mesh = read_medit(bytes); break;
     case Format::gmsh: mesh = read_gmsh(bytes); break;
     case Format::vtk: mesh = read_vtk(bytes); break;

@@ -46,18 +46,18 @@ std::optional<Format> format_of_content(std::string_view bytes);
 
 // A .gltf may name other files with its numbers.  Gives the bytes of the one with that name beside it; they have to
 // stay until the mesh is read.
-using Neighbour = std::function<std::string_view(const std::string& name)>;
+using Neighbor = std::function<std::string_view(const std::string& name)>;
 
 // Keeps vertices and triangles as they are in the file.  Two formats differ: STL has no vertices of its own, and glTF
 // splits them where a texture or a normal breaks; there equal points become one vertex.  Throws MeshError.
-TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& neighbour = nullptr);
+TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbor& neighbor = nullptr);
 
 TriangleMesh read_obj(std::string_view text);
 TriangleMesh read_off(std::string_view text);
 TriangleMesh read_ply(std::string_view bytes);
 TriangleMesh read_stl(std::string_view bytes);
 bool is_stl_text(std::string_view bytes);
-TriangleMesh read_gltf(std::string_view bytes, const Neighbour& neighbour);
+TriangleMesh read_gltf(std::string_view bytes, const Neighbor& neighbor);
 TriangleMesh read_medit(std::string_view text);
 TriangleMesh read_gmsh(std::string_view text);
 TriangleMesh read_vtk(std::string_view text);

@@ -197,8 +197,8 @@ std::string decode_percent(const std::string& text) {
 
 class GltfReader {
 public:
-    GltfReader(std::string_view bytes, const Neighbour& neighbour) :
-        neighbour_(neighbour), size_(bytes.size()), points_(mesh_.positions) {
+    GltfReader(std::string_view bytes, const Neighbor& neighbor) :
+        neighbor_(neighbor), size_(bytes.size()), points_(mesh_.positions) {
         parse(bytes.substr(0, 4) == "glTF" ? split(bytes) : bytes, bytes);
         const Json* const asset = root_.find("asset");
         if (!asset || text_of(*asset, "version").substr(0, 2) != "2.")
@@ -362,10 +362,10 @@ private:
         const std::string name = decode_percent(text);
         if (!lies_beside(name))
             fail(place, "names the file " + in_quotes(name) + "; only files beside this one are read, put it there");
-        if (!neighbour_)
+        if (!neighbor_)
             fail(place, "lies in another file, " + in_quotes(name) + "; save the mesh as .glb, which is one file");
-        buffer.bytes = neighbour_(name);
-        largest_neighbour_ = std::max<uint64_t>(largest_neighbour_, buffer.bytes.size());
+        buffer.bytes = neighbor_(name);
+        largest_neighbor_ = std::max<uint64_t>(largest_neighbor_, buffer.bytes.size());
         return buffer.bytes;
     }
 
@@ -428,7 +428,7 @@ private:
             fail(place, "has " + std::to_string(count) + " corners of triangles, which three does not divide");
         const uint64_t triangles = count < 3 ? 0 : mode == 4 ? count / 3 : count - 2;
         corners_ += 3 * triangles;
-        const uint64_t size = size_ + largest_neighbour_;
+        const uint64_t size = size_ + largest_neighbor_;
         if (corners_ > corners_for_a_byte * size)
             fail(place, "is shown so often that the scene has more than " + std::to_string(corners_)
                             + " corners in a file of " + std::to_string(size)
@@ -474,11 +474,11 @@ private:
         }
     }
 
-    const Neighbour& neighbour_;
-    uint64_t size_;                  // of the file
-    uint64_t largest_neighbour_ = 0; // of the files beside it
-    uint64_t corners_ = 0;           // of triangles so far
-    std::string_view chunk_;         // binary data of a .glb
+    const Neighbor& neighbor_;
+    uint64_t size_;                 // of the file
+    uint64_t largest_neighbor_ = 0; // of the files beside it
+    uint64_t corners_ = 0;          // of triangles so far
+    std::string_view chunk_;        // binary data of a .glb
     Json root_;
     std::map<uint64_t, Buffer> buffers_; // those that were needed
     TriangleMesh mesh_;
@@ -487,9 +487,9 @@ private:
 
 } // namespace
 
-TriangleMesh read_gltf(std::string_view bytes, const Neighbour& neighbour) {
+TriangleMesh read_gltf(std::string_view bytes, const Neighbor& neighbor) {
     if (bytes.substr(0, 3) == "\xef\xbb\xbf") bytes.remove_prefix(3); // byte order mark
-    return GltfReader(bytes, neighbour).read();
+    return GltfReader(bytes, neighbor).read();
 }
 
 } // namespace readers

@@ -1,6 +1,6 @@
 // OBJ of Wavefront: one statement a line, vertices counted from 1.
 //
-//     v x y z                 a weight or a colour behind is skipped
+//     v x y z                 a weight or a color behind is skipped
 //     f 1 2 3, 1/2/3, 1//3    a polygon; texture and normal are skipped, -1 is the last vertex so far
 //
 // Groups, materials, lines and curves are skipped, and with a note what is no statement of OBJ: programs add their own.

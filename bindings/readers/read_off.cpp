@@ -1,9 +1,9 @@
 // OFF of Geomview, as text:
 //
-//     OFF                     also COFF, NOFF, STOFF, ...: colours, normals and textures are skipped
+//     OFF                     also COFF, NOFF, STOFF, ...: colors, normals and textures are skipped
 //     vertices faces edges    may stand behind OFF; the number of edges is not used
 //     x y z ...               one line a vertex
-//     3 i j k ...             one line a face: how many corners, vertices from 0, perhaps a colour; or each further
+//     3 i j k ...             one line a face: how many corners, vertices from 0, perhaps a color; or each further
 //                             corner alone on the next line
 //
 // "#" begins a comment.  Format: Geomview manual, "OFF Files".

@@ -81,13 +81,13 @@ hmf_mesh_file* hmf_mesh_file_read(const char* bytes, uint64_t size, const char* 
         if (!format)
             throw MeshError(std::string("neither its name nor its content says what it is; give ") + KNOWN_EXTENSIONS);
         std::map<std::string, std::string> beside;
-        const auto neighbour = [&](const std::string& name) -> std::string_view {
+        const auto neighbor = [&](const std::string& name) -> std::string_view {
             const auto [found, is_new] = beside.try_emplace(name);
             if (is_new) found->second = bytes_of_file(std::string(folder) + "/" + name);
             return found->second;
         };
         try {
-            owner.mesh = read_mesh(text, *format, neighbour);
+            owner.mesh = read_mesh(text, *format, neighbor);
         } catch (const MeshError& error) {
             if (!content || content == format) throw;
             throw MeshError(std::string(error.what()) + "; the content looks like " + name_of(*content)

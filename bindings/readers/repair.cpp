@@ -71,7 +71,7 @@ public:
     }
 
 private:
-    // Corners of triangle t as they count for neighbours: vertices, or points.
+    // Corners of triangle t as they count for neighbors: vertices, or points.
     const uint32_t* corners(uint32_t t) const { return &corner_[size_t{3} * t]; }
     uint32_t triangle_count() const { return static_cast<uint32_t>(corner_.size() / 3); }
 
@@ -166,9 +166,9 @@ private:
             [&](uint32_t t) { return front[t] == NONE || !is_listed_twice[sheets.of(t)] || keeps[sheets.of(t)]; });
     }
 
-    void make_neighbours(uint32_t a, uint32_t b, Classes& patches) {
-        neighbour_[a] = b;
-        neighbour_[b] = a;
+    void make_neighbors(uint32_t a, uint32_t b, Classes& patches) {
+        neighbor_[a] = b;
+        neighbor_[b] = a;
         patches.unite(a / 3, b / 3);
     }
 
@@ -188,7 +188,7 @@ private:
 
     void pair_sides() {
         const Groups sides = group_sides(corner_, mesh_.vertex_count());
-        neighbour_.assign(corner_.size(), NONE);
+        neighbor_.assign(corner_.size(), NONE);
         Classes patches(triangle_count());
         std::vector<std::vector<uint32_t>> crowded;
         const auto vertices_of = [&](uint32_t side) {
@@ -196,12 +196,12 @@ private:
             return std::pair(std::min(a, b), std::max(a, b));
         };
         const auto make_pairs = [&] {
-            for (const auto& [a, b] : pairs_) make_neighbours(a, b, patches);
+            for (const auto& [a, b] : pairs_) make_neighbors(a, b, patches);
             pairs_.clear();
         };
         for (size_t g = 0; g < sides.count(); ++g) {
             const uint32_t* const side = sides.begin_of(g);
-            if (sides.size_of(g) == 2) make_neighbours(side[0], side[1], patches);
+            if (sides.size_of(g) == 2) make_neighbors(side[0], side[1], patches);
             if (sides.size_of(g) <= 2) continue;
             was_crowded_ = true;
             std::vector<uint32_t> waiting(side, sides.end_of(g));
@@ -215,27 +215,27 @@ private:
         make_pairs();
         pair_by_fans(crowded, patches);
         for (const std::vector<uint32_t>& waiting : crowded) {
-            if (waiting.size() == 2) make_neighbours(waiting[0], waiting[1], patches);
+            if (waiting.size() == 2) make_neighbors(waiting[0], waiting[1], patches);
             done_.cut_edges += waiting.size() > 2;
         }
     }
 
-    // Goes round the vertex, away from the side and through neighbours, to a side that has none.
+    // Goes round the vertex, away from the side and through neighbors, to a side that has none.
     uint32_t end_of_fan(uint32_t side, uint32_t vertex) const {
         for (;;) {
             uint32_t corner = side - side % 3;
             while (corner_[corner] != vertex) ++corner;
             const uint32_t before = corner % 3 == 0 ? corner + 2 : corner - 1; // the other side at the vertex
             side = side == corner ? before : corner;
-            if (neighbour_[side] == NONE) return side;
-            side = neighbour_[side];
+            if (neighbor_[side] == NONE) return side;
+            side = neighbor_[side];
         }
     }
 
-    // Two sides that one fan begins and ends with are neighbours: what touches itself in an edge comes apart there.
+    // Two sides that one fan begins and ends with are neighbors: what touches itself in an edge comes apart there.
     // Each pair makes two fans one, which may then begin and end at another edge.
     void pair_by_fans(std::vector<std::vector<uint32_t>>& crowded, Classes& patches) {
-        std::vector<uint32_t> edge_of(neighbour_.size(), NONE), next;
+        std::vector<uint32_t> edge_of(neighbor_.size(), NONE), next;
         for (uint32_t edge = 0; edge < crowded.size(); ++edge) {
             next.push_back(edge);
             for (const uint32_t side : crowded[edge]) edge_of[side] = edge;
@@ -255,7 +255,7 @@ private:
                             const uint32_t other = edge_of[end_of_fan(side, end)];
                             if (other != NONE && other != edge) next.push_back(other);
                         }
-                    make_neighbours(a, b, patches);
+                    make_neighbors(a, b, patches);
                     edge_of[a] = edge_of[b] = NONE;
                 }
             }
@@ -275,8 +275,8 @@ private:
 
     void find_fans() {
         Classes fans(corner_.size());
-        for (uint32_t side = 0; side < neighbour_.size(); ++side)
-            if (neighbour_[side] != NONE && side < neighbour_[side]) unite_ends(fans, side, neighbour_[side]);
+        for (uint32_t side = 0; side < neighbor_.size(); ++side)
+            if (neighbor_[side] != NONE && side < neighbor_[side]) unite_ends(fans, side, neighbor_[side]);
         fan_.resize(corner_.size());
         for (uint32_t c = 0; c < fan_.size(); ++c) fan_[c] = fans.of(c);
     }
@@ -296,10 +296,10 @@ private:
                 const uint32_t t = patch[n];
                 other += sense[t];
                 for (uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
-                    if (neighbour_[side] == NONE) continue;
-                    const uint32_t u = neighbour_[side] / 3;
-                    // Neighbours run through their edge in opposite senses.
-                    const uint8_t wanted = sense[t] ^ (corner_[side] == corner_[neighbour_[side]]);
+                    if (neighbor_[side] == NONE) continue;
+                    const uint32_t u = neighbor_[side] / 3;
+                    // Neighbors run through their edge in opposite senses.
+                    const uint8_t wanted = sense[t] ^ (corner_[side] == corner_[neighbor_[side]]);
                     if (sense[u] == 2) {
                         sense[u] = wanted;
                         patch.push_back(u);
@@ -370,7 +370,7 @@ private:
     const double distance_;
     Repairs done_;
     std::vector<uint32_t> corner_;
-    std::vector<uint32_t> neighbour_; // of each side; NONE: it has none
+    std::vector<uint32_t> neighbor_; // of each side; NONE: it has none
     std::vector<std::pair<uint32_t, uint32_t>> pairs_;
     bool was_crowded_ = false;  // an edge had three or more triangles
     std::vector<uint32_t> fan_; // of each corner

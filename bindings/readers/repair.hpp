@@ -45,11 +45,11 @@ struct Repairs {
 //                 those that are not further apart than the distance, and those that are joined by others between them
 //   drop          triangles that name a vertex twice, or repeat an earlier one; the back sides of sheets that are
 //                 listed from both sides, where a plain sheet remains
-//   pair sides    two triangles at an edge are neighbours.  Of three and more those are that have the same vertices
-//                 before points were joined; then those that belong to one patch; then those that one fan of neighbours
+//   pair sides    two triangles at an edge are neighbors.  Of three and more those are that have the same vertices
+//                 before points were joined; then those that belong to one patch; then those that one fan of neighbors
 //                 begins and ends with; then two that remain.  Three or more that remain come apart
-//   split         a vertex becomes one for each fan of neighbours: sheets that touch in a vertex or an edge come apart
-//   turn          in each patch the fewer triangles, so that all neighbours turn the same way
+//   split         a vertex becomes one for each fan of neighbors: sheets that touch in a vertex or an edge come apart
+//   turn          in each patch the fewer triangles, so that all neighbors turn the same way
 //   drop          vertices without a triangle
 //
 // Vertices and triangles keep their order; what was split off comes last.  A mesh without a defect stays as it is.

@@ -77,7 +77,7 @@ foliations-sys = { path = "$(echo "$crates"/foliations-sys-*)" }
 [workspace]
 END
     cp Cargo.lock "$crates/program"
-    # Optimised it would take twice as long to build.
+    # Optimized it would take twice as long to build.
     (cd "$crates/program" && CARGO_TARGET_DIR=$crates/target CXXFLAGS="${CXXFLAGS:-} -O0" cargo run --quiet --offline) | grep '^energy '
 }
 

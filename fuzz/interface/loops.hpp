@@ -23,7 +23,7 @@ struct LoopArrays {
     }
 };
 
-// Closed walks over neighbours: some steps out, and back on a shortest way.
+// Closed walks over neighbors: some steps out, and back on a shortest way.
 inline void walks(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops, uint64_t count) {
     const size_t level = static_cast<size_t>(loops.set.level);
     const bool vertices = loops.set.element_kind == HMF_LOOP_VERTICES;

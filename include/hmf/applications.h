@@ -5,7 +5,7 @@
  *     hmf_suggest_marks  marked vertices for genus 0
  *     hmf_loops          loops to solve for
  *     hmf_even_design    marked vertices, loops and weights for even quads
- *     hmf_parameterize   (u, v) for each corner, conformal up to discretisation
+ *     hmf_parameterize   (u, v) for each corner, conformal up to discretization
  *     hmf_trace          leaves as polylines
  *     hmf_cylinders      heights, circumferences, moduli, areas
  *     hmf_quads          a quad mesh along the leaves
@@ -144,7 +144,7 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
                                     surface into pairs of pants */
 /* With boundary: CUT has genus many loops (genus 0 with marked vertices inside: round pairs of those, or of one and a
    boundary) and one along each boundary (an annulus: one); a disk with fewer than two marked vertices inside has arcs
-   instead, each round two neighbouring marked vertices of the boundary.  PANTS has, together with the mirror images,
+   instead, each round two neighboring marked vertices of the boundary.  PANTS has, together with the mirror images,
    the most loops that the double can have.  There is no HANDLE and no TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
 
 /*
@@ -248,7 +248,7 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
                                    const hmf_control *control, hmf_design **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
- * Parameterisation
+ * Parameterization
  * --------------------------------------------------------------------- */
 
 typedef struct hmf_parameterize_options {
@@ -279,13 +279,13 @@ typedef struct hmf_parameterization {
     uint64_t degenerate_triangles; /* dilatation above 1000, or an image too small to tell */
     uint64_t seam_edge_count;
     double seam_length;          /* in the unit of the positions */
-    double area;                 /* of the image: the energy, up to discretisation */
+    double area;                 /* of the image: the energy, up to discretization */
     uint64_t linear_iterations;
     double seconds;
 } hmf_parameterization;
 
 /*
- * The global conformal parameterisation of a harmonic foliation ([W] section 5):
+ * The global conformal parameterization of a harmonic foliation ([W] section 5):
  * |du| is the foliation, v its harmonic conjugate.  The surface is cut along
  * short seams through the zeros; in the cut surface every corner has one (u, v).
  *
@@ -508,7 +508,7 @@ typedef struct hmf_quad_mesh {
  *
  * The first vertices are the zeros, in the order of hmf_singularities; a zero of
  * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
- * discretisation keeps apart can become one, with the sum of their orders.  A
+ * discretization keeps apart can become one, with the sum of their orders.  A
  * marked vertex with one prong is left out: one quad lies over it, and the two
  * vertices beside it have 3 edges; where a leaf of two columns joins two of them,
  * one quad with four such vertices closes the end.
@@ -587,8 +587,8 @@ typedef struct hmf_chart_set {
  * Charts are images of (u, v) under a turn by a multiple of 90 degrees and a scale
  * of their own, with which areas of all charts are in proportion to those in
  * space: conformal as (u, v) is.  Triangles that (u, v) turns over are turned back
- * by moving a vertex, or lie next to a neighbour as they are in space, flatter where
- * there is no room for that; those that overlap another one lie next to a neighbour,
+ * by moving a vertex, or lie next to a neighbor as they are in space, flatter where
+ * there is no room for that; those that overlap another one lie next to a neighbor,
  * too.  What finds no room becomes a chart of its own.  Orientation is that of the triangles.
  *
  * No two triangles of a chart have common inner points, but for collapsed ones:

@@ -17,7 +17,7 @@ namespace hmf {
 inline namespace cpp {
 
 /* ------------------------------------------------------------------------
- * Parameterisation
+ * Parameterization
  * --------------------------------------------------------------------- */
 
 /* hmf_parameterize_options; zero means the default. */

@@ -3,13 +3,13 @@
  *
  * A measured foliation gives every edge of a triangle mesh one number
  * F >= 0, the distance that its end points have in a metric tree.  The
- * harmonic one in its class minimises the Dirichlet energy
+ * harmonic one in its class minimizes the Dirichlet energy
  *
  *     D(F) = sum over edges of  weight(edge) * F(edge)^2.
  *
  * The class is given by disjoint closed curves with positive weights, and by arcs
  * from boundary to boundary where there is one.  From F
- * follow conformal parameterisations, quad meshes and stripe patterns.
+ * follow conformal parameterizations, quad meshes and stripe patterns.
  *
  * In five calls:
  *
@@ -20,7 +20,7 @@
  *     hmf_foliation_destroy, hmf_free, hmf_destroy
  *
  * This header is the core, the library hmf_core.  hmf/applications.h has the search for
- * loops, and what one does with a foliation: parameterise, trace leaves,
+ * loops, and what one does with a foliation: parameterize, trace leaves,
  * cylinders, quads, atlas.
  *
  * Rules that hold for every function here
@@ -140,7 +140,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area (see mollify in hmf_build_options) */
 #define HMF_ERROR_MESH_BOUNDARY 305 /* a surface with boundary, where only closed ones have a meaning */
 #define HMF_ERROR_MESH_NON_MANIFOLD_EDGE 306 /* an edge with three or more triangles */
-#define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
+#define HMF_ERROR_MESH_ORIENTATION 307 /* neighboring triangles turn in opposite senses */
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
 #define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component: see hmf_components */
@@ -152,7 +152,7 @@ typedef int32_t hmf_status;
 /* loops and weights */
 #define HMF_ERROR_LOOP_COUNT 400 /* no loops */
 #define HMF_ERROR_LOOP_INDEX 401 /* an element that does not exist on the level */
-#define HMF_ERROR_LOOP_NOT_CLOSED 402 /* consecutive elements are not neighbours */
+#define HMF_ERROR_LOOP_NOT_CLOSED 402 /* consecutive elements are not neighbors */
 #define HMF_ERROR_LOOP_NOT_SIMPLE 403 /* a loop meets itself */
 #define HMF_ERROR_LOOP_CROSSING 404 /* two loops cross */
 #define HMF_ERROR_LOOP_TRIVIAL 405 /* a loop bounds a disk */
@@ -574,7 +574,7 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
  * The minimum lies on the intrinsic Delaunay triangulation of level 0, and the
  * foliation keeps it: report, hmf_energy, hmf_residuals and what applications.h makes
  * start from there.  The values are those of the caller's edges, where a vertex
- * whose neighbours lie all in one direction would be a pole and is moved to the
+ * whose neighbors lie all in one direction would be a pole and is moved to the
  * next branch (counted in bad_flips).  The class is the same in any case.
  *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in out, closed
@@ -590,7 +590,7 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
                              hmf_error *error);
 
 /*
- * Optimises a foliation on its level; otherwise as hmf_solve.  The class is that
+ * Optimizes a foliation on its level; otherwise as hmf_solve.  The class is that
  * of the foliation: Newton steps are certified against it, and moves of single
  * vertices, the other methods, cannot leave it.  If the foliation has a report,
  * class_state is never better than there; without one it is UNKNOWN after moves

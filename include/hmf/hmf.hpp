@@ -522,7 +522,7 @@ private:
 
 /* What hmf_solve and hmf_relax give. */
 struct Solution {
-    Foliation foliation; /* closed and without poles, even if the optimisation was stopped */
+    Foliation foliation; /* closed and without poles, even if the optimization was stopped */
     hmf_status status;   /* HMF_OK, HMF_LIMIT_*, or HMF_CANCELLED */
     std::string message; /* why it was stopped; empty with HMF_OK */
     Report report;

@@ -424,7 +424,7 @@ TEST(Packer, ReportsWithinAPacking) {
 
 // Parts of a chart that are cut off go to the charts beside them. Were it these that go to such parts, charts would
 // hang together by them, and less than .42 of the square would be used.
-TEST(Atlas, IslandsGoToTheirNeighbours) {
+TEST(Atlas, IslandsGoToTheirNeighbors) {
     const TriMesh mesh = torus(36, 18, 2, 0.8);
     for (const uint64_t seed : {9, 16}) {
         Random random(seed);

@@ -1,5 +1,5 @@
 // Random holes cut into surfaces, real ones if a folder is given, each with 1 to 50
-// holes: solved with the loops of the library, then quads and parameterised.
+// holes: solved with the loops of the library, then quads and parameterized.
 //
 //     HMF_HOLES               number of cases, default 6, a sample (3 under sanitizers); ./test.sh campaign runs 500
 //     HMF_HOLES_SEED          of the first case, default 0; case k cuts mesh k of the sorted list

@@ -271,7 +271,7 @@ TEST_P(Leaves, LengthLimit) {
 }
 
 // Heights are the weights, areas and fluxes add up to the energy, each cylinder
-// has its loop, and its leaf as a loop gives the same minimiser.
+// has its loop, and its leaf as a loop gives the same minimizer.
 TEST_P(Leaves, Cylinders) {
     const auto set = cylinders(solution.foliation, &loops);
     ASSERT_TRUE(set);

@@ -1,4 +1,4 @@
-// Parameterisation: against the known conformal modulus of a torus, exact
+// Parameterization: against the known conformal modulus of a torus, exact
 // transitions and cone angles by independent sums, convergence under
 // refinement, invariance under intrinsic flips, scaling laws, refusals.
 #include "support/meter.hpp"
@@ -72,7 +72,7 @@ void expect_parity(const LevelMesh& mesh, const Flat& flat) {
         EXPECT_EQ(turn[v] < 0, flat.cone[v] % 2 != 0) << "vertex " << v << ", cone " << flat.cone[v];
 }
 
-// Everything that holds for every parameterisation.  share: of the vertices, at least, whose triangles are all sound.
+// Everything that holds for every parameterization.  share: of the vertices, at least, whose triangles are all sound.
 void expect_flat_surface(const LevelMesh& mesh, const Foliation& foliation, const Flat& flat, size_t genus,
                          double share = 0.9) {
     ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;

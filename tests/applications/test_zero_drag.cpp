@@ -38,7 +38,7 @@ struct Glued {
 
 // Genus 2 with one vertex, which is regular: each edge leads from it to itself.  Faces 0 and 1, on both sides of the
 // longest edge, have one closed corner each, the others none.  Round face 5 lie the other three of these, of which
-// each has another neighbour.
+// each has another neighbor.
 Glued one_vertex() {
     Glued g{{{7, 11, 16}, {9, 15, 17}, {1, 6, 8}, {3, 10, 12}, {5, 13, 14}, {0, 4, 2}}, std::vector<int64_t>(9, 32)};
     g.value[8] = 64;

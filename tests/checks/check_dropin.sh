@@ -3,7 +3,7 @@
 #
 # The files that src/packaging/amalgamate.py makes compile with one command each, without a warning, and give
 # the same bits as the libraries of the build folder, on the meshes of bindings/same_bits.  Without
-# optimisation, which takes seconds: check_plain.sh compares levels of optimisation.
+# optimization, which takes seconds: check_plain.sh compares levels of optimization.
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd)
 work=$1

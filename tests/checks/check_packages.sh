@@ -1,7 +1,7 @@
 #!/bin/bash
 # check_packages.sh WORK_FOLDER [--quick]   quick: only what needs nothing installed
 #
-# The recipes and manifests of packages: one version, licence, authors and keywords in each; and what can be built here.
+# The recipes and manifests of packages: one version, license, authors and keywords in each; and what can be built here.
 # Environment: HMF_PACKAGES=1  also what takes minutes: wheels by the cross compiler, Ray and Dask, npm, Debian, Conan, vcpkg, conda
 #              HMF_PACKAGE_TARGETS  of the wheels (default: that of this machine); all: manylinux-aarch64 is run under qemu
 #              HMF_MUSL_PYTHON  a Python linked with musl, for the wheel of musllinux
@@ -60,7 +60,7 @@ for path, text in texts.items():
     assert re.search("keywords|topics", text), path
 assert json.loads((root / "bindings/packaging/vcpkg/ports/hmf/vcpkg.json").read_text())["license"] == "MIT"
 assert "license: MIT" in (root / "bindings/packaging/conda/meta.yaml").read_text()
-for line in (root / "LICENSE").read_text().split("\n\n")[2].split("\n"):  # the permission, in the words of the licence
+for line in (root / "LICENSE").read_text().split("\n\n")[2].split("\n"):  # the permission, in the words of the license
     assert " ".join(line.split()[:6]) in " ".join((root / "bindings/packaging/debian/copyright").read_text().split()), line
 END
 }

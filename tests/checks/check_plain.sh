@@ -3,7 +3,7 @@
 # check_plain.sh WORK_FOLDER --quick LIBRARY OTHER   compiles nothing of the library: the bits of two that have been built
 #
 # The library compiles without a build system and without a warning, and
-# gives the same bits with each compiler and optimisation, also where the
+# gives the same bits with each compiler and optimization, also where the
 # processor could multiply and add in one (gcc's -O2 and all -O3 run with -march=haswell if it can).
 # Two pairs of them; with HMF_PLAIN_ALL=1 all six, as the variant machines does.
 # Flags that would give other bits are refused with a sentence.

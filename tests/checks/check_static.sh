@@ -28,7 +28,7 @@ else
     echo "skip static clang-tidy (skipped: not installed)"
 fi
 
-# Its parser takes size_t{3} * v for a pointer, and arrays that are filled by a call for uninitialised.
+# Its parser takes size_t{3} * v for a pointer, and arrays that are filled by a call for uninitialized.
 if command -v cppcheck > /dev/null; then
     if cppcheck --quiet -j "$jobs" --std=c++17 --language=c++ --enable=warning,portability --inline-suppr --error-exitcode=1 \
         --suppress=missingIncludeSystem --suppress=constStatement --suppress=CastIntegerToAddressAtReturn \

@@ -34,7 +34,7 @@ Point cross(const Point& a, const Point& b) {
 }
 Point unit(const Point& a) { return (1 / std::sqrt(dot(a, a))) * a; }
 
-// A loop as a polygon over centres of triangles and middles of edges; pushed
+// A loop as a polygon over centers of triangles and middles of edges; pushed
 // off by `offset` times the shortest height of the triangles along it.
 std::vector<Point> polygon(const LevelMesh& mesh, const Loops& loops, size_t c, double offset) {
     const auto position = [&](uint32_t v) {
@@ -451,7 +451,7 @@ TriMesh ring_with_handle() {
     });
 }
 
-// Does a loop of triangles cut the surface in two?  Then the vertices have two colours, which change at the
+// Does a loop of triangles cut the surface in two?  Then the vertices have two colors, which change at the
 // edges that it crosses.
 bool separates(const TriMesh& mesh, const uint32_t* loop, size_t n) {
     std::map<std::pair<uint32_t, uint32_t>, bool> crossed;
@@ -467,18 +467,18 @@ bool separates(const TriMesh& mesh, const uint32_t* loop, size_t n) {
                     odd = !odd;
                 }
     }
-    std::vector<int> colour(mesh.vertex_count(), -1);
+    std::vector<int> color(mesh.vertex_count(), -1);
     std::vector<uint32_t> stack{0};
-    colour[0] = 0;
+    color[0] = 0;
     while (!stack.empty()) {
         const uint32_t v = stack.back();
         stack.pop_back();
         for (const uint32_t w : beside[v]) {
             const auto found = crossed.find(std::minmax(v, w));
-            const int expected = colour[v] ^ (found != crossed.end() && found->second ? 1 : 0);
-            if (colour[w] == -1) stack.push_back(w);
-            else if (colour[w] != expected) return false;
-            colour[w] = expected;
+            const int expected = color[v] ^ (found != crossed.end() && found->second ? 1 : 0);
+            if (color[w] == -1) stack.push_back(w);
+            else if (color[w] != expected) return false;
+            color[w] = expected;
         }
     }
     return true;

@@ -451,7 +451,7 @@ TEST_F(OnTorus, Parallel) {
 }
 
 TEST(CheckLoops, ParallelOnAPlate) {
-    // The loops round two neighbouring bars differ, two on one bar do not.
+    // The loops round two neighboring bars differ, two on one bar do not.
     test::MadeMesh made(test::plate(2, 1, 3));
     const Mesh mesh = made.mesh();
     Context c;

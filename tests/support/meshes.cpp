@@ -90,7 +90,7 @@ void add_band(TriMesh& mesh, const std::vector<uint32_t>& lower, const std::vect
     }
 }
 
-Vec centre(const TriMesh& mesh, const std::vector<uint32_t>& ring) {
+Vec center(const TriMesh& mesh, const std::vector<uint32_t>& ring) {
     Vec c{0, 0, 0};
     for (uint32_t v : ring) c = c + at(mesh, v);
     return (1 / static_cast<double>(ring.size())) * c;
@@ -136,7 +136,7 @@ double Random::unit() { return static_cast<double>(bits() >> 11) / 9007199254740
 
 std::string mesh_defect(const TriMesh& mesh) {
     const size_t n = mesh.vertex_count(), m = mesh.triangle_count();
-    std::map<uint64_t, uint32_t> next; // (vertex, neighbour) -> next neighbour counter-clockwise
+    std::map<uint64_t, uint32_t> next; // (vertex, neighbor) -> next neighbor counter-clockwise
     std::vector<uint32_t> degree(n, 0), any(n, UINT32_MAX);
     for (size_t t = 0; t < m; ++t)
         for (size_t s = 0; s < 3; ++s) {
@@ -289,7 +289,7 @@ TriMesh torus_with_finger(size_t n, size_t m, size_t rings, double finger) {
     const uint32_t tip = 0; // at (3, 0, 0)
     const std::vector<uint32_t> base = link(mesh, tip);
     remove_star(mesh, tip);
-    const Vec middle = centre(mesh, base);
+    const Vec middle = center(mesh, base);
     std::vector<uint32_t> lower = base;
     for (size_t l = 1; l <= rings; ++l) {
         std::vector<uint32_t> upper;
@@ -298,7 +298,7 @@ TriMesh torus_with_finger(size_t n, size_t m, size_t rings, double finger) {
         add_band(mesh, lower, upper);
         lower = upper;
     }
-    const Vec end = centre(mesh, lower);
+    const Vec end = center(mesh, lower);
     mesh.positions[0] = end.x + finger / static_cast<double>(rings);
     mesh.positions[1] = end.y;
     mesh.positions[2] = end.z;

@@ -83,7 +83,7 @@ TriMesh trefoil(size_t n, size_t m, double radius);
 // A torus with a closed finger of `rings` rings: a limb that no loop goes round.
 TriMesh torus_with_finger(size_t n, size_t m, size_t rings, double length);
 
-// Two tori on the x axis (centres 0 and `distance`), joined by a tube of six sides.
+// Two tori on the x axis (centers 0 and `distance`), joined by a tube of six sides.
 TriMesh joined_tori(size_t n, size_t m, double distance, size_t rings);
 
 // --- Changes -----------------------------------------------------------------

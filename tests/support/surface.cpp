@@ -518,7 +518,7 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
     std::vector<std::vector<uint32_t>> ends(n);
     for (uint32_t end = 0; end < 2 * mesh.edge_count; ++end) ends[vertex_of(end)].push_back(end);
     const auto regular = [&](uint32_t v) { return sectors[v] == 2; };
-    const auto centre_height = [&](uint32_t c) { // of a tripod, from its corner c
+    const auto center_height = [&](uint32_t c) { // of a tripod, from its corner c
         const uint32_t v = mesh.triangle_vertices[c];
         return height[v] + orientation[v] * sign[end_of(c)] * 0.5 * corner2(mesh, values, c);
     };
@@ -572,9 +572,9 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
     }
     for (uint32_t t = 0; t < mesh.triangle_count; ++t)
         for (uint32_t c = 3 * t; tripod(t) && c < 3 * t + 3; ++c)
-            if (orientation[mesh.triangle_vertices[c]] != 0 && !zero(centre_height(c)))
+            if (orientation[mesh.triangle_vertices[c]] != 0 && !zero(center_height(c)))
                 return "the zero in triangle " + std::to_string(t) + " is off by "
-                     + std::to_string(fold(centre_height(c)));
+                     + std::to_string(fold(center_height(c)));
     if (2 * reached < n) return "only " + std::to_string(reached) + " vertices could be reached";
     return "";
 }

@@ -100,7 +100,7 @@ Owned<hmf_singularity_set> singularities(const Foliation& foliation);
 using Field = std::function<double(const double*)>; // of a position
 
 // The closed curve {field = 0} that meets the region {region > 0} with its
-// centre, as a loop of triangles.  The class is that of the curve on the
+// center, as a loop of triangles.  The class is that of the curve on the
 // smooth shape, whatever the level.  Fails the test unless there is exactly one.
 std::vector<uint32_t> section(const LevelMesh& mesh, const Field& field, const Field& region);
 

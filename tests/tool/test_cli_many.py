@@ -215,9 +215,9 @@ class Components(Case):
         report = json.loads(self.read("r.json"))
         lines = self.read("t.obj").decode().splitlines()
         self.assertEqual([tuple(int(c.split("/")[0]) - 1 for c in line.split()[1:]) for line in lines if line.startswith("f ")], self.all_triangles)
-        # The sphere is grey, the rest is not.
-        grey = sum(max(p) - min(p) < 6 and 100 < p[0] < 200 for row in pixels_of(self.read("i.png")) for p in row)
-        self.assertGreater(grey, 100)
+        # The sphere is gray, the rest is not.
+        gray = sum(max(p) - min(p) < 6 and 100 < p[0] < 200 for row in pixels_of(self.read("i.png")) for p in row)
+        self.assertGreater(gray, 100)
         groups = {line.split()[1] for line in self.read("l.obj").decode().splitlines() if line.startswith("g ")}
         self.assertEqual(groups, {"cylinder_0", "cylinder_1", "across_0", "across_1"})
         self.assertEqual(report["leaves"], sum(line.startswith("l ") for line in self.read("l.obj").decode().splitlines()))

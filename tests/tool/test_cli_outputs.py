@@ -354,8 +354,8 @@ class Outputs(Case):
         def picture(*options):
             self.run_tool("solve", self.mesh, "--image", self.path("i.png"), "--image-size", "160x120", *options)
             return pixels_of(self.read("i.png"))
-        def share(pixels, colour):
-            return sum(colour(*p) for row in pixels for p in row) / (len(pixels) * len(pixels[0]))
+        def share(pixels, color):
+            return sum(color(*p) for row in pixels for p in row) / (len(pixels) * len(pixels[0]))
         is_red = lambda r, g, b: r > 2 * g and r > 2 * b
         is_object = lambda r, g, b: max(r, g, b) - min(r, g, b) > 12 or max(r, g, b) < 120
         pictures = {}

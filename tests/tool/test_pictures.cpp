@@ -163,7 +163,7 @@ double length_of(const cli::Line& line) {
     return sum;
 }
 
-// No local change shortens it: each point lies on an edge and is the best there between its neighbours, or at its end.
+// No local change shortens it: each point lies on an edge and is the best there between its neighbors, or at its end.
 void expect_shortest(const cli::Foliation& f, const cli::Line& line) {
     const size_t count = line.size();
     size_t inside = 0;

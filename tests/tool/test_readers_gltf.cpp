@@ -14,11 +14,11 @@ TEST(ReadGltf, Containers) {
     const Gltf gltf = gltf_of(s.positions, s.triangles);
     expect_same(read_mesh(gltf.glb(), Format::gltf), floats, s.triangles);
     expect_same(read_mesh(gltf.embedded(), Format::gltf), floats, s.triangles);
-    const Neighbour neighbour = [&](const std::string& name) {
+    const Neighbor neighbor = [&](const std::string& name) {
         EXPECT_EQ(name, "my data.bin");
         return std::string_view(gltf.buffer);
     };
-    expect_same(read_mesh(gltf.json("my%20data.bin"), Format::gltf, neighbour), floats, s.triangles);
+    expect_same(read_mesh(gltf.json("my%20data.bin"), Format::gltf, neighbor), floats, s.triangles);
 }
 
 TEST(ReadGltf, IndicesAndStrides) {

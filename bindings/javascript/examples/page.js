@@ -39,11 +39,11 @@ function show(shape) {
     });
     scene = {
         positions, triangles, normals: vertexNormals(positions, triangles), u: null, zeros: [],
-        size: Math.hypot(...high.map((x, k) => x - low[k])), centre: low.map((x, k) => (x + high[k]) / 2),
+        size: Math.hypot(...high.map((x, k) => x - low[k])), center: low.map((x, k) => (x + high[k]) / 2),
     };
     // As large as fits in the first view.
     const fit = [0, 1].map(row => positions.reduce((most, _, i) => i % 3 ? most
-        : Math.max(most, Math.abs([0, 1, 2].reduce((sum, k) => sum + rotation[3 * row + k] * (positions[i + k] - scene.centre[k]), 0))), 0));
+        : Math.max(most, Math.abs([0, 1, 2].reduce((sum, k) => sum + rotation[3 * row + k] * (positions[i + k] - scene.center[k]), 0))), 0));
     zoom = Math.min(main.clientWidth / fit[0], main.clientHeight / fit[1]) * 0.46 * scene.size / Math.min(main.clientWidth, main.clientHeight);
     element('report').replaceChildren();
     element('weights').replaceChildren();

@@ -72,7 +72,7 @@ function subdivide(positions, triangles) {
     return { positions: refined, triangles: result };
 }
 
-/** Each vertex half way to the mean of its neighbours. */
+/** Each vertex half way to the mean of its neighbors. */
 function smooth(positions, triangles) {
     const sum = new Float64Array(positions.length), count = new Float64Array(positions.length / 3);
     for (let t = 0; t < triangles.length; t += 3) {

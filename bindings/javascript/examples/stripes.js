@@ -11,10 +11,10 @@
 export function potential(triangles, triangleEdges, values, singularities) {
     const count = triangles.length / 3, u = new Float64Array(3 * count), seen = new Uint8Array(count);
     const direction = new Int8Array(count).fill(1); // of triangles without leaves: the way that led there
-    const neighbours = new Int32Array(2 * values.length).fill(-1);
+    const neighbors = new Int32Array(2 * values.length).fill(-1);
     for (let k = 0; k < 3 * count; ++k) {
         const e = triangleEdges[k];
-        neighbours[2 * e + (neighbours[2 * e] < 0 ? 0 : 1)] = Math.floor(k / 3);
+        neighbors[2 * e + (neighbors[2 * e] < 0 ? 0 : 1)] = Math.floor(k / 3);
     }
     const side = (t, s) => values[triangleEdges[3 * t + (s % 3)]];
     const isTripod = t => {
@@ -36,10 +36,10 @@ export function potential(triangles, triangleEdges, values, singularities) {
             const certain = next < ready.length, t = certain ? ready[next++] : waiting[later++];
             if (certain) waiting.push(t);
             for (let s = 0; s < 3; ++s) {
-                const e = triangleEdges[3 * t + s], n = neighbours[2 * e] === t ? neighbours[2 * e + 1] : neighbours[2 * e];
+                const e = triangleEdges[3 * t + s], n = neighbors[2 * e] === t ? neighbors[2 * e + 1] : neighbors[2 * e];
                 if (seen[n] || (values[e] > 0) !== certain) continue;
                 const r = [0, 1, 2].find(k => triangleEdges[3 * n + k] === e);
-                // Neighbours run through their edge in opposite senses.
+                // Neighbors run through their edge in opposite senses.
                 let start = u[3 * t + ((s + 1) % 3)], end = u[3 * t + s];
                 if (isTripod(t)) start = -start; // measured from its branch point
                 if (values[e] > 0) {
@@ -127,17 +127,17 @@ const RED = [168, 32, 38], WHITE = [246, 243, 236], BLUE = [40, 84, 214];
 const LIGHT = [-0.45, 0.75, 0.65].map(x => x / Math.hypot(-0.45, 0.75, 0.65));
 
 /**
- * Paints the scene { positions, triangles, normals, u, period, size, centre, zeros }
+ * Paints the scene { positions, triangles, normals, u, period, size, center, zeros }
  * into pixels; rotation is a 3 x 3 matrix, row by row.  Without u: plain.
  */
 export function paint(image, scene, rotation, zoom = 1) {
-    const { width, height, data } = image, { positions, triangles, normals, u, period, size, centre } = scene;
+    const { width, height, data } = image, { positions, triangles, normals, u, period, size, center } = scene;
     const depth = new Float32Array(width * height).fill(-Infinity), count = positions.length / 3;
     const scale = (zoom * Math.min(width, height)) / size, x = new Float32Array(count), y = new Float32Array(count), z = new Float32Array(count);
     const nx = new Float32Array(count), ny = new Float32Array(count), nz = new Float32Array(count);
     const r = rotation;
     for (let v = 0, k = 0; v < count; ++v, k += 3) {
-        const a = positions[k] - centre[0], b = positions[k + 1] - centre[1], c = positions[k + 2] - centre[2];
+        const a = positions[k] - center[0], b = positions[k + 1] - center[1], c = positions[k + 2] - center[2];
         x[v] = width / 2 + scale * (r[0] * a + r[1] * b + r[2] * c);
         y[v] = height / 2 - scale * (r[3] * a + r[4] * b + r[5] * c);
         z[v] = scale * (r[6] * a + r[7] * b + r[8] * c);
@@ -151,11 +151,11 @@ export function paint(image, scene, rotation, zoom = 1) {
             data[at] = 248 - 44 * fall, data[at + 1] = 249 - 40 * fall, data[at + 2] = 251 - 34 * fall, data[at + 3] = 255;
         }
     }
-    const put = (at, colour, a, b, c) => {
+    const put = (at, color, a, b, c) => {
         const length = Math.sqrt(a * a + b * b + c * c) || 1, facing = c / length;
         const lit = Math.max(0, (a * LIGHT[0] + b * LIGHT[1] + c * LIGHT[2]) / length);
         const shade = 0.55 + 0.12 * (b / length) + 0.42 * lit, shine = 46 * Math.pow(Math.max(0, 0.35 * lit + 0.65 * facing), 60);
-        for (let k = 0; k < 3; ++k) data[4 * at + k] = colour(k) * shade + shine;
+        for (let k = 0; k < 3; ++k) data[4 * at + k] = color(k) * shade + shine;
     };
     for (let t = 0; t < triangles.length; t += 3) {
         const [i, j, k] = [triangles[t], triangles[t + 1], triangles[t + 2]];
@@ -189,7 +189,7 @@ export function paint(image, scene, rotation, zoom = 1) {
     // Zeros as buttons on the surface.
     const radius = 0.0115 * size * scale;
     for (const position of scene.zeros ?? []) {
-        const [a, b, c] = position.map((at, k) => scale * (at - centre[k]));
+        const [a, b, c] = position.map((at, k) => scale * (at - center[k]));
         const cx = width / 2 + r[0] * a + r[1] * b + r[2] * c, cy = height / 2 - (r[3] * a + r[4] * b + r[5] * c), cz = r[6] * a + r[7] * b + r[8] * c;
         for (let row = Math.max(0, Math.ceil(cy - radius)); row <= Math.min(height - 1, cy + radius); ++row) {
             for (let column = Math.max(0, Math.ceil(cx - radius)); column <= Math.min(width - 1, cx + radius); ++column) {

@@ -41,7 +41,6 @@ const words = [
     ['with hmf_interpolate', 'with foliation.interpolate()'],
     ['with hmf_relax', 'with foliation.relax()'],
     ['Give one of them, the other NULL', 'Give one of them'],
-    ['optimis', 'optimiz'],
 ];
 /** For the tests: what is replaced. */
 export const libraryWords = words.map(([library]) => library);

@@ -254,7 +254,7 @@ export type LoopsKind = "cut" | "handle" | "tunnel" | "pants";
 
 /** Disjoint closed curves on a level. */
 export interface LoopSet {
-    /** Neighbouring triangles, or vertices joined by edges; the last and the first as well. */
+    /** Neighboring triangles, or vertices joined by edges; the last and the first as well. */
     elementKind: "triangles" | "vertices";
     /** Of the elements; default 0, the mesh of the caller. */
     level?: number;
@@ -297,14 +297,14 @@ export interface Foliation extends Disposable {
     readonly values: Float64Array;
     /** The power of two that all values are multiples of. */
     readonly unit: number;
-    /** Held by it, without its hierarchy; more once it was parameterised, say. */
+    /** Held by it, without its hierarchy; more once it was parameterized, say. */
     readonly memoryBytes: number;
     /** Of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
     readonly report: Report | null;
     readonly disposed: boolean;
     /** Carried exactly to any other level, finer or coarser. */
     interpolate(level: number, options?: ProgressOptions): Foliation;
-    /** Optimised on its level; this foliation stays as it is. */
+    /** Optimized on its level; this foliation stays as it is. */
     relax(options?: OptimizeOptions): Foliation;
     /** Dirichlet energy. */
     energy(options?: ProgressOptions): number;
@@ -315,7 +315,7 @@ export interface Foliation extends Disposable {
     /** Standard deviation of `conformalScale` over the surface; 0: the same scale everywhere. */
     unevenness(options?: ProgressOptions): number;
     singularities(options?: ProgressOptions): Singularities;
-    /** A global conformal parameterisation (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
+    /** A global conformal parameterization (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
     parameterize(options?: ParameterizeOptions): Parameterization;
     /** Leaves as polylines; without options those between zeros. */
     trace(options?: TraceOptions): Line[];
@@ -353,7 +353,7 @@ export interface QuadOptions extends ProgressOptions {
 /**
  * The first vertices are the zeros, in the order of `singularities()`; a zero of
  * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
- * discretisation keeps apart can become one, with the sum of their orders.
+ * discretization keeps apart can become one, with the sum of their orders.
  */
 export interface QuadMesh {
     /** Three coordinates for each vertex. */
@@ -451,7 +451,7 @@ export interface Parameterization {
     seamEdgeCount: number;
     /** In the unit of the positions. */
     seamLength: number;
-    /** Of the image: the energy, up to discretisation. */
+    /** Of the image: the energy, up to discretization. */
     area: number;
     linearIterations: number;
     seconds: number;
@@ -524,7 +524,7 @@ export interface Singularity {
 }
 
 export interface Report {
-    /** "HMF_OK", or why the optimisation ended early: "HMF_LIMIT_ITERATIONS", "HMF_LIMIT_TIME", "HMF_LIMIT_STALLED", "HMF_LIMIT_CLASS" (no step that stays in the class of the loops reaches the minimum), "HMF_CANCELLED". */
+    /** "HMF_OK", or why the optimization ended early: "HMF_LIMIT_ITERATIONS", "HMF_LIMIT_TIME", "HMF_LIMIT_STALLED", "HMF_LIMIT_CLASS" (no step that stays in the class of the loops reaches the minimum), "HMF_CANCELLED". */
     status: string;
     /** Where it ended early, more about it as in HmfError: for "HMF_LIMIT_CLASS" a loop that the others lose.  Else null. */
     stopped: Pick<HmfError, "element" | "index" | "advice"> | null;

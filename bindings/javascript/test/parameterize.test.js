@@ -1,4 +1,4 @@
-// The parameterisation against what the foliation and the mesh say.
+// The parameterization against what the foliation and the mesh say.
 import assert from 'node:assert/strict';
 import { before, test } from 'node:test';
 import { load } from '../lib/index.js';
@@ -83,7 +83,7 @@ test('genus 3: cones, transitions, seams, the differential', () => {
     hierarchy.dispose();
 });
 
-test('what cannot be parameterised', () => {
+test('what cannot be parameterized', () => {
     const { positions, triangles } = torus(24, 16);
     const hierarchy = new hmf.Hierarchy(positions, triangles), start = hierarchy.initialize(hierarchy.loops({ level: 0 })), foliation = hierarchy.solve();
     assert.throws(() => start.parameterize(), error => error.statusName === 'HMF_ERROR_VALUE_NOT_HARMONIC' && error.status === 503);

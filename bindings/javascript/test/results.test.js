@@ -116,9 +116,9 @@ test('handle loops go round no hole of a plate, tunnel loops do', () => {
     const { positions, triangles } = pretzel(2, 2), holes = [-1, 1]; // their axes are parallel to z, at these x and y = 0
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 }), triangleEdges = hierarchy.levels[0].triangleEdges();
     const sides = t => [...triangleEdges.subarray(3 * t, 3 * t + 3)];
-    const centre = t => [0, 1].map(k => [0, 1, 2].reduce((sum, c) => sum + positions[3 * triangles[3 * t + c] + k] / 3, 0));
+    const center = t => [0, 1].map(k => [0, 1, 2].reduce((sum, c) => sum + positions[3 * triangles[3 * t + c] + k] / 3, 0));
     const turns = (loop, x) => Math.round(loop.reduce((sum, t, i) => {
-        const [a, b] = [centre(t), centre(loop[(i + 1) % loop.length])].map(([px, py]) => [px - x, py]);
+        const [a, b] = [center(t), center(loop[(i + 1) % loop.length])].map(([px, py]) => [px - x, py]);
         return sum + Math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
     }, 0) / (2 * Math.PI));
     for (const kind of ['cut', 'handle', 'tunnel']) {

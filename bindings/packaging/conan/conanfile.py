@@ -12,7 +12,7 @@ class HmfRecipe(ConanFile):
     package_type = "library"
     license = "MIT"
     author = "hmf contributors"
-    description = "Harmonic measured foliations on triangle meshes: conformal parameterisation, quad meshes, stripe patterns"
+    description = "Harmonic measured foliations on triangle meshes: conformal parameterization, quad meshes, stripe patterns"
     topics = ("geometry-processing", "mesh", "foliation", "parameterization", "remeshing")
     settings = "os", "compiler", "build_type", "arch"
     options = {"shared": [True, False], "fPIC": [True, False]}

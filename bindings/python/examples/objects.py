@@ -1,4 +1,4 @@
-"""A mesh of trimesh, and the foliation as colours on it."""
+"""A mesh of trimesh, and the foliation as colors on it."""
 
 import foliations
 import numpy as np

@@ -68,7 +68,7 @@ def vtp(path: Path) -> dict[str, np.ndarray]:
 
 
 def textured(foliation: foliations.Foliation, uv: np.ndarray) -> None:
-    """Texture coordinates of each corner belong to the parameterisation."""
+    """Texture coordinates of each corner belong to the parameterization."""
     corner_uv = foliation.parameterize().corner_uv
     period = np.abs(corner_uv).max() / np.abs(uv).max()
     assert np.abs(uv * period - corner_uv).max() < 1e-5 * np.abs(corner_uv).max()
@@ -221,7 +221,7 @@ def test_the_default_period_fits_at_the_seams(hierarchy: foliations.Hierarchy, w
     parameterization = foliation.parameterize()
     jumps = parameterization.transition[parameterization.seam, 1] / default_period(foliation, parameterization)
     fits = np.abs(jumps - np.rint(jumps)) < 1e-4
-    # But near zeros that only discretisation keeps apart.
+    # But near zeros that only discretization keeps apart.
     assert fits.mean() > 0.95
 
 

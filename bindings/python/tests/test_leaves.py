@@ -53,8 +53,8 @@ def test_leaves_through_points(foliation: foliations.Foliation) -> None:
     for leaf, triangle, size in zip(leaves, triangles, sizes):
         if leaf.begin == "nowhere":
             continue
-        centre = level.positions[level.triangles[triangle]].mean(axis=0)
-        assert np.linalg.norm(leaf.points - centre, axis=1).min() < size
+        center = level.positions[level.triangles[triangle]].mean(axis=0)
+        assert np.linalg.norm(leaf.points - center, axis=1).min() < size
         assert leaf.length > 0
 
 

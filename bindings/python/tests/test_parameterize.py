@@ -1,4 +1,4 @@
-"""The parameterisation against the foliation it comes from."""
+"""The parameterization against the foliation it comes from."""
 
 from __future__ import annotations
 

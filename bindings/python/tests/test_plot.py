@@ -136,8 +136,8 @@ def test_dilatation_and_quads(foliation: foliations.Foliation) -> None:
 def test_leaves(foliation: foliations.Foliation) -> None:
     leaves = foliation.trace(spacing=0.1, critical=True)
     ax = foliations.plot(foliation, leaves=leaves, zeros=False)
-    colours = {tuple(collection.get_colors()[0]) for collection in ax.collections}
-    assert len(colours) == 3, "two cylinders, and black"
+    colors = {tuple(collection.get_colors()[0]) for collection in ax.collections}
+    assert len(colors) == 3, "two cylinders, and black"
     conjugate = foliation.trace(leaves="conjugate", spacing=0.1, length_limit=2.0)
     ax = foliations.plot(foliation, leaves=[leaves, conjugate], zeros=False)
     assert len(ax.collections) == 2

@@ -1,4 +1,4 @@
-// applications.h: parameterise.
+// applications.h: parameterize.
 #include "../loops/library_loops.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../../core/api/result.hpp"

@@ -1,4 +1,4 @@
-// From a parameterisation by internal numbers to the arrays of the caller.
+// From a parameterization by internal numbers to the arrays of the caller.
 #pragma once
 
 #include "../../../include/hmf/applications.h"

@@ -10,7 +10,7 @@ namespace hmf {
 namespace {
 
 constexpr int64_t SPECK = 256;        // grid units: triangles below a millionth of the square are not looked at
-constexpr int PASSES = 3;             // over triangles that may go over to a neighbour
+constexpr int PASSES = 3;             // over triangles that may go over to a neighbor
 constexpr uint32_t MOST_TRIED = 200;  // of those that overlap, in each pass
 constexpr int LAYOUT_ROUNDS = 8;      // of islands that move; in the last one all become charts
 constexpr uint32_t LARGE_ISLAND = 24; // triangles, or 1/200 of all
@@ -177,7 +177,7 @@ Done ChartLayout::find_ways(Array<uint32_t>& way) const {
     return true;
 }
 
-// What is not joined to the largest part of its chart goes to a neighbour or, if it is large, becomes a chart.
+// What is not joined to the largest part of its chart goes to a neighbor or, if it is large, becomes a chart.
 Done ChartLayout::gather() {
     const uint32_t n = pieces_.mesh.face_count;
     Array<uint32_t> way;
@@ -288,7 +288,7 @@ void ChartLayout::lay_as_in_space(uint32_t t) {
     grid_.y[p] = put(height);
 }
 
-// Triangles that overlap go over to a neighbour where they do not, those that are turned over with the shape that
+// Triangles that overlap go over to a neighbor where they do not, those that are turned over with the shape that
 // they have in space, flatter if there is no room for it; if there is none at all, they become charts of their own.
 Done ChartLayout::take_overlaps_out() {
     Array<uint8_t> bad;
@@ -313,7 +313,7 @@ Done ChartLayout::take_overlaps_out() {
     return separate() && dissolve_small();
 }
 
-// Charts of a few triangles, which those between them and theirs have left, go over to neighbours.
+// Charts of a few triangles, which those between them and theirs have left, go over to neighbors.
 Done ChartLayout::dissolve_small() {
     const uint32_t n = static_cast<uint32_t>(pieces_.side.size());
     Array<uint32_t> count;

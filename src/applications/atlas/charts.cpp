@@ -16,7 +16,7 @@ void Box::add(const Box& other) {
 
 namespace {
 
-// Adds up neighbours in a sorted list that are the same but for what is added.
+// Adds up neighbors in a sorted list that are the same but for what is added.
 template <class T, class Same, class Add>
 void merge_same(Array<T>& list, Same same, Add add) {
     size_t kept = 0;

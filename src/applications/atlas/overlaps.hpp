@@ -19,7 +19,7 @@ int64_t grid_area(const Mesh& mesh, const GridLayout& layout, uint32_t h);
 bool is_joined(const Mesh& mesh, const GridLayout& layout, uint32_t e);
 
 // Moves vertices inside of charts with a triangle that is turned over to the middle of
-// their neighbours, where that makes the least area around them larger.
+// their neighbors, where that makes the least area around them larger.
 Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout, Call& call);
 
 // Triangles that are turned over, or overlap another one of their chart, get a 1 in `bad`:
@@ -27,7 +27,7 @@ Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout
 Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayout& layout, int64_t speck,
                    Array<uint8_t>& bad, Call& call);
 
-// Lays a triangle next to one of its neighbours where it overlaps nothing, if there is such a place; `bad` ones are not
+// Lays a triangle next to one of its neighbors where it overlaps nothing, if there is such a place; `bad` ones are not
 // there.  flatter: its height over the side, as a part of what it is.
 bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>& bad, uint32_t face, double flatter,
              GridLayout& layout);

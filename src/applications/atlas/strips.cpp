@@ -1,7 +1,7 @@
 // From the middle leaf of a cylinder its triangles are laid out, one next to the
 // other, as far as the zeros at either side.  A step leads from a triangle to the
 // next one only through a part of their side that lies within the strip: so the
-// way between their barycentres stays in the cylinder, and each triangle has one
+// way between their barycenters stays in the cylinder, and each triangle has one
 // place, up to the period.
 #include "strips.hpp"
 
@@ -95,7 +95,7 @@ private:
         return v < 0 ? -v : v;
     }
 
-    // A multiple of the period that brings the barycentre (times 3) to [3 from, 3 (from + period)).
+    // A multiple of the period that brings the barycenter (times 3) to [3 from, 3 (from + period)).
     void bring_back(uint32_t h, int64_t period, int64_t from) {
         if (period <= 0) return;
         const uint32_t n = mesh_.next[h], p = mesh_.next[n];
@@ -257,7 +257,7 @@ private:
         return true;
     }
 
-    // What no strip has reached goes with a neighbour.
+    // What no strip has reached goes with a neighbor.
     Done take_the_rest() {
         uint32_t size = 0;
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)

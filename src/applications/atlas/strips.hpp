@@ -6,7 +6,7 @@
 //            |  piece 0    | 1      |  piece 2     |
 //      low  -+-------------Z--------+--------------+-     lower zeros
 //
-// A triangle belongs to the strip in which its barycentre lies, as a whole.
+// A triangle belongs to the strip in which its barycenter lies, as a whole.
 //
 // With boundary the cylinders are those of the double, and the part in front is kept: of one round a boundary curve
 // what lies on one side of its middle leaf, of one across the surface half of the period.

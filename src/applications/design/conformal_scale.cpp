@@ -144,18 +144,18 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         const double x = density * unit_density;
         return 0.5 * natural_log(x > least * densest ? std::min(x, densest) : least * densest);
     };
-    const double centre = log_of(mean_density_), share = 1 / whole.area;
+    const double center = log_of(mean_density_), share = 1 / whole.area;
     const Moments moments = parallel.sum_blocks<Moments>(area.size(), [&](size_t begin, size_t end) {
         Moments part;
         for (size_t t = begin; t < end; ++t) {
             area[t] *= share;
             log_scale[t] = log_of(log_scale[t]);
-            const double off = log_scale[t] - centre;
+            const double off = log_scale[t] - center;
             part += {area[t] * off, area[t] * off * off};
         }
         return part;
     });
-    mean = centre + moments.first;
+    mean = center + moments.first;
     offset = exponent * (0.5 * 0.69314718055994531);
     variance_ = std::max(0.0, moments.second - moments.first * moments.first);
     return go_on();

@@ -36,7 +36,7 @@ Done boundary_of_disk(const hmf_hierarchy& h, Array<uint32_t>& boundary, Call& c
     return true;
 }
 
-// How sharp a boundary turns at each of its vertices: | a + b | of the directions a and b to both neighbours,
+// How sharp a boundary turns at each of its vertices: | a + b | of the directions a and b to both neighbors,
 //
 //     a     b      0: straight, 1.41: a corner of 90 degrees; 0 also where the
 //      \___/       surface lies outside of the angle

@@ -4,7 +4,7 @@
 //
 //     F'_ij = F_ij + n_c(ij) dw - s_ij d_i - s_ji d_j      (twisted_model.hpp)
 //
-// and d minimises the energy: one linear solve for each loop, all with the same
+// and d minimizes the energy: one linear solve for each loop, all with the same
 // matrix.  What follows for the log scale of a triangle is exact but for the
 // zeros, which rest.
 #include "marked_trial.hpp"
@@ -222,7 +222,7 @@ hmf_status MarkedTrial::count_crossings(Array<uint32_t>& offsets, Array<uint32_t
 }
 
 // The equations at the solution.
-struct MarkedTrial::Linearised {
+struct MarkedTrial::Linearized {
     Rings rings; // the model refers to them
     TwistedModel model;
     SignedMultigrid multigrid;
@@ -237,7 +237,7 @@ struct MarkedTrial::SmoothTriangle {
 };
 
 // The solution is in state_, on the intrinsic side.
-Done MarkedTrial::linearise(Linearised& at) {
+Done MarkedTrial::linearize(Linearized& at) {
     Foliation& f = state_.foliation;
     const Mesh& mesh = f.mesh;
     const double* weight = h_.levels[0].weight;
@@ -279,7 +279,7 @@ Done MarkedTrial::list_smooth_triangles(Array<SmoothTriangle>& out) {
 }
 
 // at.change, where the weight grows of the cylinder whose leaf crosses these edges.
-Done MarkedTrial::change_values(const uint32_t* crossed, size_t count, Linearised& at) {
+Done MarkedTrial::change_values(const uint32_t* crossed, size_t count, Linearized& at) {
     const Mesh& mesh = state_.foliation.mesh;
     const double* weight = h_.levels[0].weight;
     TwistedModel& model = at.model;
@@ -329,10 +329,10 @@ hmf_status MarkedTrial::derive(bool& known) {
     if (!counted) return HMF_OK;
 
     const size_t loops = weights.size(), faces = h_.input.face_count;
-    Linearised at;
+    Linearized at;
     Array<SmoothTriangle> triangles;
     if (!derivative_.allocate(call_.memory, loops * faces) || !smooth_.allocate_filled(call_.memory, faces, uint8_t{0})
-        || !linearise(at) || !list_smooth_triangles(triangles))
+        || !linearize(at) || !list_smooth_triangles(triangles))
         return failed(call_);
     for (size_t c = 0; c < loops; ++c) {
         if (!change_values(edges.data() + offsets[c], offsets[c + 1] - offsets[c], at)) return failed(call_);
@@ -345,9 +345,9 @@ hmf_status MarkedTrial::derive(bool& known) {
 // Gauss-Newton: the mean of the scale is free.
 hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
     const size_t n = weights.size(), faces = scale_.area.size();
-    Array<double> matrix, mean, centred; // centred: times the area, per face
+    Array<double> matrix, mean, centered; // centered: times the area, per face
     if (!matrix.allocate_filled(call_.memory, n * n, 0.0) || !mean.allocate_filled(call_.memory, n, 0.0)
-        || !centred.allocate(call_.memory, faces) || !step.allocate_filled(outer_.memory, n, 0.0))
+        || !centered.allocate(call_.memory, faces) || !step.allocate_filled(outer_.memory, n, 0.0))
         return failed(call_);
     double area = 0, scale_mean = 0;
     for (size_t t = 0; t < faces; ++t) {
@@ -363,8 +363,8 @@ hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
         const double* const x = derivative_.data() + c * faces;
         double sum = 0;
         for (size_t t = 0; t < faces; ++t) {
-            centred[t] = smooth_[t] ? scale_.area[t] * (x[t] - mean[c]) : 0;
-            sum += centred[t] * (scale_.log_scale[t] - scale_mean);
+            centered[t] = smooth_[t] ? scale_.area[t] * (x[t] - mean[c]) : 0;
+            sum += centered[t] * (scale_.log_scale[t] - scale_mean);
         }
         step[c] = -sum;
         // Four sums at once: each addition to one sum has to wait for the one before.
@@ -374,7 +374,7 @@ hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
             double sums[4] = {0, 0, 0, 0};
             for (size_t k = 0; k < 4; ++k) y[k] = derivative_.data() + (d + (k < together ? k : 0)) * faces;
             for (size_t t = 0; t < faces; ++t)
-                for (size_t k = 0; k < 4; ++k) sums[k] += centred[t] * y[k][t];
+                for (size_t k = 0; k < 4; ++k) sums[k] += centered[t] * y[k][t];
             for (size_t k = 0; k < together; ++k) matrix[c * n + d + k] = sums[k];
         }
     }

@@ -57,11 +57,11 @@ private:
     Done guess_weights();
     hmf_status count_crossings(Array<uint32_t>& offsets, Array<uint32_t>& edges, bool& known);
 
-    struct Linearised;
+    struct Linearized;
     struct SmoothTriangle;
-    Done linearise(Linearised& at);
+    Done linearize(Linearized& at);
     Done list_smooth_triangles(Array<SmoothTriangle>& out);
-    Done change_values(const uint32_t* crossed, size_t count, Linearised& at);
+    Done change_values(const uint32_t* crossed, size_t count, Linearized& at);
     void set_derivative(size_t loop, const Array<double>& change, const Array<SmoothTriangle>& triangles);
 
     static int32_t pass_on(void* user, double fraction);

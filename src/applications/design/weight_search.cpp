@@ -104,7 +104,7 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
 // What hmf_quads refuses: halves that cannot be made symmetric, zeros that are no disks.
 hmf_status WeightSearch::find_bare_parts(bool& any) {
     Reflection reflection;
-    Symmetrised made;
+    Symmetrized made;
     if (make_symmetric(state_, call_, made)) return call_.status();
     any = !made.exact;
     if (any) return HMF_OK;

@@ -8,7 +8,7 @@ namespace hmf {
 
 class CellBorders {
 public:
-    // is_border(s): the segment lies between two cells.  Its neighbours belong to the same border where they meet at
+    // is_border(s): the segment lies between two cells.  Its neighbors belong to the same border where they meet at
     // a point with two such segments that is not is_end(p).  length(s): what the best one has least of.
     template <class IsBorder, class IsEnd, class Length>
     Done find(const CutSurface& cut, IsBorder is_border, IsEnd is_end, Length length, Memory& memory) {

@@ -20,7 +20,7 @@ double DualLength::operator()(uint32_t edge) const {
     return ambiguous_ != 1 && is_ambiguous(edge) ? ambiguous_ * sum : sum;
 }
 
-// From the middle of its edge to the centre of its triangle: the mean of the middles of the sides, each as often as it
+// From the middle of its edge to the center of its triangle: the mean of the middles of the sides, each as often as it
 // is long.
 double DualLength::from_middle(uint32_t half_edge) const {
     const uint32_t corner[3] = {mesh_.origin[half_edge], mesh_.target(half_edge), mesh_.origin[mesh_.prev(half_edge)]};

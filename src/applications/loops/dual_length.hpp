@@ -1,7 +1,7 @@
-// Length of a loop: for each edge that it crosses, from the centre of one
-// triangle over the middle of the edge to the centre of the other.
+// Length of a loop: for each edge that it crosses, from the center of one
+// triangle over the middle of the edge to the center of the other.
 //
-//     a---b---c     The centre is that of the sides, not of the corners: a strip
+//     a---b---c     The center is that of the sides, not of the corners: a strip
 //      \ / \ /      across thin triangles, up and down by turns, is straight
 //       d---e       then, not a zig-zag of a third of their length.
 #pragma once

@@ -1,10 +1,10 @@
 // The conjugate of a harmonic form.
 //
-// The flux weight * du across an edge is the change of v between the centres
+// The flux weight * du across an edge is the change of v between the centers
 // of its two triangles: v grows to the left of the gradient of u, so across
 // half-edge h, from its left face to its right one, v falls by weight * du(h).
 // At a vertex the fluxes add up to 0 (du is coclosed), so v is known at the
-// centres around it, up to a constant, and v at the vertex is their mean:
+// centers around it, up to a constant, and v at the vertex is their mean:
 //
 //              . V2 .
 //           .    |    .              v(vertex) - V  in each face left of h, so

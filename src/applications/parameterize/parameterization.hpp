@@ -1,4 +1,4 @@
-// The global conformal parameterisation ([W] section 5) in the caller's terms:
+// The global conformal parameterization ([W] section 5) in the caller's terms:
 //
 //   foliation --flat_surface--> (du, dv) --cut_through_cones--> seams
 //             --layout--> (u, v) per corner --> transitions, maps of the triangles

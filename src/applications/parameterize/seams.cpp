@@ -106,7 +106,7 @@ public:
         };
         if (!call_.pass(sides, 0, count)) return false;
         ++free_sides_[root];
-        // The last sides are those that only the finest level has: neighbours in memory are neighbours on the surface.
+        // The last sides are those that only the finest level has: neighbors in memory are neighbors on the surface.
         for (uint32_t start = sides; start-- > 0;) {
             // Along a chain: the faces behind the branches of it come later.
             uint32_t h = start;

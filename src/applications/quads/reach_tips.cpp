@@ -68,7 +68,7 @@ private:
         return true;
     }
 
-    // Farthest first; of two neighbours only the first one moves.
+    // Farthest first; of two neighbors only the first one moves.
     Done reach(size_t& moved) {
         Array<uint8_t> near;
         if (!near.allocate_filled(call_.memory, quads_.vertex_count(), uint8_t{0})) return false;

@@ -97,10 +97,10 @@ private:
         double p[3] = {0, 0, 0};
         for (size_t c = 0; c < 3; ++c)
             for (size_t k = 0; k < 4; ++k) p[c] += 0.25 * quads_.positions[size_t{3} * middle[k] + c];
-        const uint32_t centre = quads_.vertex_count();
+        const uint32_t center = quads_.vertex_count();
         if (!add(p, quads_.sides[middle[0]])) return false;
         for (size_t k = 0; k < 4; ++k) {
-            const uint32_t quad[4] = {quads_.quads[4 * q + k], middle[k], centre, middle[(k + 3) % 4]};
+            const uint32_t quad[4] = {quads_.quads[4 * q + k], middle[k], center, middle[(k + 3) % 4]};
             // a-d and b-c lie on leaves, as before.
             for (size_t c = 0; c < 4; ++c) fine_[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
         }

@@ -25,7 +25,7 @@ hmf_status hmf_interpolate(const hmf_foliation* foliation, size_t level, const h
     State state;
     if (load_values(*foliation, level, state, call)) return call.status();
     if (!state.go_to(level, call)) return call.stopped();
-    Symmetrised made;
+    Symmetrized made;
     if (level != foliation->level && make_symmetric(state, call, made)) return call.status();
     Making making;
     making.unit = foliation->unit;

@@ -70,7 +70,7 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
     return finish_solve(state, status, options, unit, recorder, call, watch, out);
 }
 
-// Optimises the state of a foliation on its level, within its class.  Where that
+// Optimizes the state of a foliation on its level, within its class.  Where that
 // has a report, watch.result says no more than the report did.
 hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOptions& options, Recorder& recorder,
                           ClassWatch& watch, Call& call) {
@@ -135,7 +135,7 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
     state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
-    Symmetrised made;
+    Symmetrized made;
     if (make_symmetric(state, call, made)) return call.status();
     Making making;
     making.unit = given.unit;

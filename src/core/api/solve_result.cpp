@@ -16,10 +16,10 @@ hmf_status describe(hmf_status status, size_t level, const hmf_report& report, c
     case HMF_LIMIT_TIME:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
-            "The time limit ended the optimisation; the values are closed and without poles. Raise time_limit.");
+            "The time limit ended the optimization; the values are closed and without poles. Raise time_limit.");
     case HMF_LIMIT_ITERATIONS:
         return call.fail(status, HMF_ELEMENT_LEVEL, level,
-                         "The limit of %s ended the optimisation; the values are closed and without poles. Raise %s.",
+                         "The limit of %s ended the optimization; the values are closed and without poles. Raise %s.",
                          report.method == HMF_METHOD_NEWTON ? "steps" : "sweeps",
                          report.method == HMF_METHOD_NEWTON ? "step_limit" : "iteration_limit");
     case HMF_LIMIT_STALLED:
@@ -114,7 +114,7 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     making.solved_bits = bits_too_many(largest_value(state.foliation, call.parallel), static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
-    Symmetrised made;
+    Symmetrized made;
     if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call, made)) return call.status();
     if (watched && !call.tick(0, true)) return call.was_cancelled();
     const SingularityCount count = made.exact ? made.count : count_singularities(state.foliation, {}, watched);

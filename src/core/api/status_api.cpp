@@ -36,7 +36,7 @@ const char* hmf_status_string(hmf_status status) {
     case HMF_ERROR_MESH_NOT_DELAUNAY: return "the intrinsic Delaunay triangulation was not reached";
     case HMF_ERROR_LOOP_COUNT: return "no loops, or unusable offsets";
     case HMF_ERROR_LOOP_INDEX: return "a loop names an element that does not exist";
-    case HMF_ERROR_LOOP_NOT_CLOSED: return "a loop is not a closed chain of neighbours";
+    case HMF_ERROR_LOOP_NOT_CLOSED: return "a loop is not a closed chain of neighbors";
     case HMF_ERROR_LOOP_NOT_SIMPLE: return "a loop meets itself";
     case HMF_ERROR_LOOP_CROSSING: return "two loops cross";
     case HMF_ERROR_LOOP_TRIVIAL: return "a loop bounds a disk";

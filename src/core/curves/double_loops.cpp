@@ -28,7 +28,7 @@ private:
     hmf_status add_path(size_t c, bool is_image, Array<uint32_t>& path);
     hmf_status add_vertex_path(size_t c, bool is_image, Array<uint32_t>& path);
     hmf_status add_triangle_path(size_t c, bool is_image, Array<uint32_t>& path);
-    hmf_status not_neighbours(size_t c, uint64_t a, uint64_t b);
+    hmf_status not_neighbors(size_t c, uint64_t a, uint64_t b);
     hmf_status find_round_boundary(const Loops& all, Array<uint8_t>& is_round);
 
     const hmf_hierarchy& h_;
@@ -135,10 +135,10 @@ uint32_t Doubler::boundary_side(size_t c, bool at_end) const {
     return found;
 }
 
-hmf_status Doubler::not_neighbours(size_t c, uint64_t a, uint64_t b) {
+hmf_status Doubler::not_neighbors(size_t c, uint64_t a, uint64_t b) {
     const uint64_t first = given_.offsets[c];
     return call_.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
-                      "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbour the next%s.",
+                      "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbor the next%s.",
                       static_cast<Long>(a - first), static_cast<Long>(b - first), static_cast<Long>(c),
                       is_triangles() ? "triangle" : "vertex", is_arc(c) ? "" : ", and the last the first");
 }
@@ -152,7 +152,7 @@ hmf_status Doubler::add_vertex_path(size_t c, bool is_image, Array<uint32_t>& pa
     };
     const auto step = [&](uint64_t i, uint64_t j, bool behind) {
         const uint32_t h = edge_between(vertex(i, behind), vertex(j, behind), behind);
-        if (h == NONE) return not_neighbours(c, i, j);
+        if (h == NONE) return not_neighbors(c, i, j);
         return path.push(h) ? HMF_OK : call_.out_of_memory();
     };
     for (uint64_t i = first; i + 1 < end; ++i)
@@ -177,7 +177,7 @@ hmf_status Doubler::add_triangle_path(size_t c, bool is_image, Array<uint32_t>& 
     };
     const auto step = [&](uint64_t i, uint64_t j, bool behind) {
         const uint32_t h = side_between(face(i, behind), face(j, behind), came_in);
-        return h == NONE ? not_neighbours(c, i, j) : cross(h);
+        return h == NONE ? not_neighbors(c, i, j) : cross(h);
     };
     for (uint64_t i = first; i + 1 < end; ++i)
         if (step(i, i + 1, is_image)) return call_.status();

@@ -62,7 +62,7 @@ struct Loops {
 // (along_edges) or crossed already.
 [[nodiscard]] hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges, Call& call, Loops& out);
 
-// Removes neighbours of a cyclic sequence that cancel; what is left is
+// Removes neighbors of a cyclic sequence that cancel; what is left is
 // sequence[begin], .., sequence[end - 1].
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end);
 

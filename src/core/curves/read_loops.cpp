@@ -226,7 +226,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                                          : shared_edge(mesh, here, there);
             if (h == NONE)
                 return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
-                                 "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbour the next, "
+                                 "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbor the next, "
                                  "and the last the first.",
                                  static_cast<Long>(i - first), static_cast<Long>(i + 1 < end ? i + 1 - first : 0),
                                  static_cast<Long>(c), word);

@@ -80,16 +80,16 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
         if (to_itself) known = open_zero_self_edges(f, side, star);
         for (uint32_t t = 0; t < degree; ++t) {
             // A row of zero edges to one part, with S or an edge to itself at both ends.
-            const uint32_t first = side_after(t, degree), neighbour = mesh.target(side[first].half_edge);
+            const uint32_t first = side_after(t, degree), neighbor = mesh.target(side[first].half_edge);
             const auto passes = [&](uint32_t s) {
                 return star.F[s] != 0 ? star.group[s] == star.best : mesh.target(side[s].half_edge) == v;
             };
-            if (star.F[first] != 0 || neighbour == v || star.step[first] == 0 || !passes(t)) continue;
+            if (star.F[first] != 0 || neighbor == v || star.step[first] == 0 || !passes(t)) continue;
             uint32_t end = first;
             while (star.F[end] == 0 && mesh.target(side[end].half_edge) != v) end = side_after(end, degree);
             if (!passes(end)) continue;
             const Cluster part = explore_cluster(
-                f, neighbour, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.allowance()));
+                f, neighbor, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.allowance()));
             star.spend(f.members.size());
             if (part.closed_corners >= 2 || part.marked > 0) continue;
             if (!part.complete) {

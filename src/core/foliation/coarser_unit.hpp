@@ -10,7 +10,7 @@
 //
 // Rounding values edge by edge would break triangle inequalities.  This moves
 // points of the tree: a value is the distance of the new places, hence a multiple
-// of 2^bits, and a regular vertex that keeps its order among its neighbours
+// of 2^bits, and a regular vertex that keeps its order among its neighbors
 // becomes no extremum.
 //
 // Where on its edge a vertex lies, modulo 2^bits, is found by walking over the

@@ -2,7 +2,7 @@
 // tree goes to the image of i.
 //
 //     .. i ------ j ..          .. i=j ..         F(j, x) = d(i, x) for all
-//                                                 neighbours x of j
+//                                                 neighbors x of j
 //
 // The way is the path from j to i in the tree, in legal Whitehead moves from
 // branch point to branch point (whitehead.hpp), with all that has to move along
@@ -34,7 +34,7 @@ Done read_sides(const Mesh& mesh, uint32_t v, RestrictionScratch& scratch, uint3
 }
 
 // One move of the origin of g (with what it pushes) towards the target of g,
-// up to the next branch point, neighbour, or the target.
+// up to the next branch point, neighbor, or the target.
 Done move_along(Foliation& f, uint32_t g, RestrictionScratch& scratch) {
     uint32_t degree = 0;
     if (!read_sides(f.mesh, f.mesh.origin[g], scratch, degree)) return false;
@@ -52,7 +52,7 @@ Done move_along(Foliation& f, uint32_t g, RestrictionScratch& scratch) {
 } // namespace
 
 Done move_to_end(Foliation& f, uint32_t h, RestrictionScratch& scratch) {
-    // Each move lands on a branch point, on a neighbour, or arrives.
+    // Each move lands on a branch point, on a neighbor, or arrives.
     while (f.at(h) > 0)
         if (!move_along(f, h, scratch)) return false;
     return true;

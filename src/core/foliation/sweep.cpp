@@ -30,9 +30,9 @@ Done Sweeps::prepare(const Foliation& f, const Rings& rings, uint32_t coarser_co
     find_blocks(rings, coarser_count, block, call.parallel);
     call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v) {
-            uint32_t other = 0; // bits in which the blocks of neighbours differ
+            uint32_t other = 0; // bits in which the blocks of neighbors differ
             for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t)
-                other |= block[rings.neighbour[t]] ^ block[v];
+                other |= block[rings.neighbor[t]] ^ block[v];
             if (block[v] == NONE) other = NONE;
             uint32_t word = block[v] & (outside_in(0) - 1);
             for (uint32_t r = 0; other && r < round_count_; ++r) word |= other >> round_[r].shift ? outside_in(r) : 0;
@@ -55,7 +55,7 @@ void Sweeps::plan_rounds() {
     }
 }
 
-// Those of the finer level by number; the others like a neighbour, as soon as it has one.
+// Those of the finer level by number; the others like a neighbor, as soon as it has one.
 void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) {
     constexpr int most_passes = 8; // what is further from a vertex of the finer level has no block
     const uint32_t n = static_cast<uint32_t>(inside_.size()), first = coarser_count < n ? coarser_count : 0;
@@ -73,7 +73,7 @@ void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* b
             for (size_t v = begin; v < end; ++v) {
                 uint32_t own = from[v];
                 for (uint32_t t = rings.offset[v]; own == NONE && t < rings.offset[v + 1]; ++t)
-                    own = from[rings.neighbour[t]];
+                    own = from[rings.neighbor[t]];
                 to[v] = own;
                 without += own == NONE;
             }

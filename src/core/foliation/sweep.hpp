@@ -1,9 +1,9 @@
 // Sweeps of Whitehead moves over all vertices of a level, in blocks.
 //
-// A move of v reads and writes what is between v and its neighbours and, if v
+// A move of v reads and writes what is between v and its neighbors and, if v
 // belongs to a cluster, that of the whole cluster.  Vertices that are near in
-// space make a block.  What lies inside, with all its neighbours and its cluster
-// in the same block, moves there, each block for itself.  Then neighbouring blocks
+// space make a block.  What lies inside, with all its neighbors and its cluster
+// in the same block, moves there, each block for itself.  Then neighboring blocks
 // are joined, some times, and what lies inside of one now moves in the same way:
 //
 //     | o o o 1 | 1 o o o 2 | 2 o o o |       o inside of a block, 1 of two joined

@@ -20,7 +20,7 @@
 // has topology or a marked vertex.  Otherwise j alone lies on one side of the cluster and all
 // else in one direction R.  Then the cluster is first moved into R up to the
 // next branch point of the tree, a Whitehead move of the whole cluster.  There
-// it has a further direction, and the formula holds.  The neighbours that it
+// it has a further direction, and the formula holds.  The neighbors that it
 // meets on the way join the cluster, and the search goes on round them.
 // HMF_METHOD_PAPER takes the formula all the same, as [W] does: i becomes a pole,
 // and triangle ikl of the new ones a zero.
@@ -36,7 +36,7 @@ namespace {
 
 // Moves the cluster in f.members, which has one direction R apart from the
 // half-edge `behind` (or NONE), into R up to the first closed corner or the
-// first neighbour.
+// first neighbor.
 void advance_cluster(Foliation& f, uint32_t behind) {
     const Mesh& mesh = f.mesh;
     int64_t limit = INT64_MAX;

@@ -12,9 +12,9 @@
 // boundary from one to the other meets no closed corner and goes round a disk
 // without marked vertices.
 //
-// Legal is a move up to the first closed corner or the first neighbour in S:
+// Legal is a move up to the first closed corner or the first neighbor in S:
 // there the vertex lands exactly, and what it finds there (a branch of the
-// tree, or a neighbour, with which it then forms a cluster) decides how it
+// tree, or a neighbor, with which it then forms a cluster) decides how it
 // goes on.  A vertex may leave its cluster, but must not leave a pole behind:
 // what would be one moves along (cluster_move.cpp).  Marked vertices never move.
 #include "whitehead.hpp"
@@ -26,7 +26,7 @@ namespace hmf {
 
 Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel) {
     if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
-        || !neighbour.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
+        || !neighbor.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
         || !monogons.find(mesh, memory))
         return false;
     // With monogons degrees are known only after the walk, and alone the walk is enough.
@@ -49,11 +49,11 @@ Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const 
             sum += weight[edge_of(h)];
             uint32_t ahead = twin(mesh.next[across]);
             if (host && monogons.edge[edge_of(ahead)]) {
-                opposite = edge_of(ahead); // 0: both neighbours are one
+                opposite = edge_of(ahead); // 0: both neighbors are one
                 while (monogons.edge[edge_of(ahead)]) ahead = mesh.rotate_ccw(ahead);
             }
             side[at] = {h, opposite};
-            neighbour[at++] = mesh.target(h);
+            neighbor[at++] = mesh.target(h);
             h = ahead;
         } while (h != first);
         weight_sum[v] = sum;
@@ -80,7 +80,7 @@ void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parall
     }
     at[n] = sum;
     Side* const sides = side.data();
-    uint32_t* const neighbours = neighbour.data();
+    uint32_t* const neighbors = neighbor.data();
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v) {
             uint32_t t = at[v];
@@ -91,7 +91,7 @@ void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parall
                 const uint32_t across = mesh.next[h];
                 weights += weight[edge_of(h)];
                 sides[t] = {h, edge_of(across)};
-                neighbours[t++] = mesh.target(h);
+                neighbors[t++] = mesh.target(h);
                 h = twin(mesh.next[across]);
             } while (h != first);
             weight_sum[v] = weights;
@@ -121,7 +121,7 @@ uint32_t walk_to_next_visit(Foliation& f, uint32_t start, uint32_t budget, bool&
             if (f.corner2(g) == 0) return NONE;
             g = ahead;
         } else {
-            g = twin(mesh.next[g]); // same neighbour, seen from the other end of the zero edge
+            g = twin(mesh.next[g]); // same neighbor, seen from the other end of the zero edge
             if (mesh.origin[g] == v) return g;
             if (!f.may_look(mesh.origin[g], 0)) return NONE;
         }
@@ -379,7 +379,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
                 && !rings.is(v, Monogons::SELF_EDGE))
                 return false;
     bool moved = false;
-    // Each round lands on a branch or a neighbour and looks on from there.
+    // Each round lands on a branch or a neighbor and looks on from there.
     for (uint32_t round = 0; round < 4; ++round) {
         if (!rings.is(v, Monogons::SELF_EDGE)) {
             Outcome outcome = relax_plain_vertex(f, side, degree, weight, rings.weight_sum[v], result);
@@ -414,7 +414,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             const uint32_t u = side_after(t, star.degree);
             if (star.F[u] != 0 && star.group[u] == star.best) limit = std::min(limit, star.corner2[t] / 2);
         }
-        // A closed corner inside of S, as round the pole of a flip as printed: its neighbours have to go first.
+        // A closed corner inside of S, as round the pole of a flip as printed: its neighbors have to go first.
         if (limit == 0) return moved;
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);

@@ -10,17 +10,17 @@
 namespace hmf {
 
 // One-rings of a mesh as flat arrays, for sweeps: side t of vertex v has the
-// half-edge to neighbour t and the edge between neighbours t and t+1,
+// half-edge to neighbor t and the edge between neighbors t and t+1,
 // counter-clockwise.  What lies in a monogon at v is left out, as if its
 // boundary were contracted: all values there are 0 and stay so.
 struct Rings {
     struct Side {
         uint32_t half_edge, opposite;
     };
-    Array<uint32_t> offset;    // vertex_count + 1
-    Array<Side> side;          // 2 * edge_count
-    Array<uint32_t> neighbour; // 2 * edge_count: target of each side
-    Array<double> weight_sum;  // vertex_count, over the sides
+    Array<uint32_t> offset;   // vertex_count + 1
+    Array<Side> side;         // 2 * edge_count
+    Array<uint32_t> neighbor; // 2 * edge_count: target of each side
+    Array<double> weight_sum; // vertex_count, over the sides
     Monogons monogons;
     uint32_t max_degree = 0;
     Done build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel = Parallel());
@@ -118,7 +118,7 @@ struct SweepResult {
 // (cluster_move.cpp).  plan_move fills star.step and f.pushed; false: what
 // would be left behind or go along is not known, the vertex has to wait.
 bool plan_move(Foliation& f, const Rings::Side* side, Star& star);
-// The planned move goes up to the first neighbour or branch point.
+// The planned move goes up to the first neighbor or branch point.
 int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& star);
 void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t mu);
 // As far as is best and there is room; false: not by a unit.  lands: as far as there is room.

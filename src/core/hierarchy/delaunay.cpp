@@ -1,9 +1,9 @@
 // Greedy edge flips of one level, as in [W] 4.1: the mesh stays simplicial, so
-// an edge is left alone if the vertices opposite to it are neighbours.
+// an edge is left alone if the vertices opposite to it are neighbors.
 //
 //          k
 //        / ^ \         flip ij to lk if angle(k) + angle(l) > 180 degrees,
-//       i  |  j        i.e. cot(k) + cot(l) < 0, and k, l are not neighbours
+//       i  |  j        i.e. cot(k) + cot(l) < 0, and k, l are not neighbors
 //        \ | /
 //          l
 #include "delaunay.hpp"
@@ -30,7 +30,7 @@ bool obtuse(const double* apex, const double* a, const double* b) {
     return dot < 0;
 }
 
-bool neighbours(const WorkMesh& work, uint32_t k_out, uint32_t l) {
+bool neighbors(const WorkMesh& work, uint32_t k_out, uint32_t l) {
     for (const uint32_t g : work.mesh.clockwise_from(k_out))
         if (work.mesh.target(g) == l) return true;
     return false;
@@ -68,7 +68,7 @@ bool flip_if_possible(WorkMesh& work, uint32_t edge) {
     if (k == l || work.degree[i] <= 3 || work.degree[j] <= 3) return false;
     if (std::min(work.degree[k], work.degree[l]) > MAX_WALKED_DEGREE) return false;
     if (work.has_double_edges && is_folded(work.at(i), work.at(j), work.at(k), work.at(l))) return false;
-    if (work.degree[k] < work.degree[l] ? neighbours(work, ki, l) : neighbours(work, lj, k)) return false;
+    if (work.degree[k] < work.degree[l] ? neighbors(work, ki, l) : neighbors(work, lj, k)) return false;
     flip(mesh, edge);
     --work.degree[i];
     --work.degree[j];

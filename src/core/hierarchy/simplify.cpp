@@ -21,7 +21,7 @@
 //
 //     +-----------+-----------+        o-o inside of its block
 //     |  o-o      |      o-o  |        x-x touches a vertex with a
-//     |        x--+--x        |            neighbour in another block
+//     |        x--+--x        |            neighbor in another block
 //     +-----------+-----------+
 //
 // Collapses of different blocks commute, so the log has those of one block after
@@ -60,19 +60,19 @@ void cross_product(const double* u, const double* v, double* n) {
 
 double dot_product(const double* u, const double* v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
-// Does a triangle of v with two consecutive neighbours turn by more than about
-// 80 degrees if v moves to p?  others: a bit for each of the neighbours but the
+// Does a triangle of v with two consecutive neighbors turn by more than about
+// 80 degrees if v moves to p?  others: a bit for each of the neighbors but the
 // first and the last, by the lowest bits of its number.
-bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbour, uint32_t count, const double* p,
+bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbor, uint32_t count, const double* p,
                 uint64_t& others) {
     // Two of everything: before and after.
     const double* v = work.at(v_number);
     const double apex[3][2] = {{v[0], p[0]}, {v[1], p[1]}, {v[2], p[2]}};
-    const double* a = work.at(neighbour[0]);
+    const double* a = work.at(neighbor[0]);
     uint64_t latest = 0;
     others = 0;
     for (uint32_t n = 1; n < count; ++n) {
-        const double* b = work.at(neighbour[n]);
+        const double* b = work.at(neighbor[n]);
         const double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
         double normal[3][2], square[2];
         for (int w = 0; w < 2; ++w) {
@@ -86,7 +86,7 @@ bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbo
         if (!(d > 0) || d * d < 0.03 * square[0] * square[1]) return true;
         a = b;
         others |= latest;
-        latest = uint64_t{1} << neighbour[n] % 64;
+        latest = uint64_t{1} << neighbor[n] % 64;
     }
     return false;
 }
@@ -127,8 +127,8 @@ Placement place_on_planes(const WorkMesh& work, uint32_t v, uint32_t w) {
     add(q, work.quadrics[w]);
     double best[3];
     const bool is_point = minimum(q, best);
-    for (int c = 0; c < 3; ++c) result.position[c] = is_point ? best[c] + work.centre[c] : 0.5 * (i[c] + j[c]);
-    for (int c = 0; c < 3; ++c) best[c] = result.position[c] - work.centre[c];
+    for (int c = 0; c < 3; ++c) result.position[c] = is_point ? best[c] + work.center[c] : 0.5 * (i[c] + j[c]);
+    for (int c = 0; c < 3; ++c) best[c] = result.position[c] - work.center[c];
     result.cost = value(q, best);
     return result;
 }
@@ -143,7 +143,7 @@ Placement place_on_mark(const WorkMesh& work, int32_t strategy, uint32_t v, uint
     Quadric q = work.quadrics[v];
     add(q, work.quadrics[w]);
     double place[3];
-    for (int c = 0; c < 3; ++c) place[c] = mark[c] - work.centre[c];
+    for (int c = 0; c < 3; ++c) place[c] = mark[c] - work.center[c];
     result.cost = value(q, place);
     return result;
 }
@@ -195,7 +195,7 @@ private:
 };
 
 // The half-edge of an edge that a collapse keeps the origin of: a marked end,
-// or the one with more neighbours, so that less is renamed.
+// or the one with more neighbors, so that less is renamed.
 uint32_t directed(const WorkMesh& work, uint32_t edge) {
     const uint32_t h = 2 * edge;
     if (work.mesh.is_marked(work.mesh.origin[h])) return h;
@@ -225,7 +225,7 @@ bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
         return false;
     // A second edge from i to j would be left with one end.
     if (work.has_double_edges) others_i |= uint64_t{1} << i % 64;
-    // Without a common bit, k and l are the only common neighbours.
+    // Without a common bit, k and l are the only common neighbors.
     return mesh.target(mesh.next[h]) != mesh.target(mesh.next[twin(h)])
         && ((others_i & others_j) == 0 || can_collapse(mesh, h, work.marks.data()));
 }
@@ -290,7 +290,7 @@ void WorkMesh::find_blocks() {
 
 void initial_quadrics(WorkMesh& work) {
     const Mesh& mesh = work.mesh;
-    for (int c = 0; c < 3; ++c) work.centre[c] = work.position[c];
+    for (int c = 0; c < 3; ++c) work.center[c] = work.position[c];
     for (Quadric& q : work.quadrics) q = Quadric{};
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         // One third of the triangle's area for each of its corners.
@@ -298,7 +298,7 @@ void initial_quadrics(WorkMesh& work) {
         const double *a = work.at(mesh.target(h)), *b = work.at(mesh.origin[mesh.prev(h)]);
         double p[3], u[3], v[3], n[3];
         for (int c = 0; c < 3; ++c) {
-            p[c] = corner[c] - work.centre[c];
+            p[c] = corner[c] - work.center[c];
             u[c] = a[c] - corner[c];
             v[c] = b[c] - corner[c];
         }
@@ -562,7 +562,7 @@ private:
         return true;
     }
 
-    // The vertex has new neighbours, which may lie in other blocks.
+    // The vertex has new neighbors, which may lie in other blocks.
     void mark_border(uint32_t v) {
         for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);

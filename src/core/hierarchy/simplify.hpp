@@ -52,7 +52,7 @@ private:
 };
 
 // Squared distance from a set of weighted planes and points, as a quadratic
-// polynomial about WorkMesh::centre: x^T A x - 2 b^T x + c.
+// polynomial about WorkMesh::center: x^T A x - 2 b^T x + c.
 struct Quadric {
     double a[6]; // xx xy xz yy yz zz
     double b[3];
@@ -70,9 +70,9 @@ struct WorkMesh {
     Array<uint32_t> link;         // per edge: lists of the queue, stack of the flips; before, scratch of the validation
     Array<uint8_t> marks;         // per vertex, zeros
     Array<Quadric> quadrics;      // per vertex, with HMF_COLLAPSE_QSLIM only
-    double centre[3] = {0, 0, 0}; // that the quadrics are about
+    double center[3] = {0, 0, 0}; // that the quadrics are about
     // Vertices v with the same v >> block_shift make a block, near in space; those at
-    // a border have a neighbour in another one.  Edges that touch no border are in
+    // a border have a neighbor in another one.  Edges that touch no border are in
     // the queue of their block, the others in the last queue.
     static constexpr uint32_t most_blocks = 32;
     static constexpr uint32_t least_group = 256; // collapses in blocks that become runs of their own

@@ -17,7 +17,7 @@
 // free group two closed words are conjugate if they are the same once all pairs x x^-1 are gone, up to a rotation.
 //
 // The product of the words round a vertex is 1 if it is not marked.  So all goes exactly with flips and splits.
-// A new triangle belongs to the polygon as a neighbour does:
+// A new triangle belongs to the polygon as a neighbor does:
 //
 //          k                     k
 //        / | \                 / | \        flip: both triangles as the left one was, so that the word w of ij goes

@@ -173,7 +173,7 @@ inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
         return ahead;
     }
     closed = false;
-    return twin(f.mesh.next[g]); // same neighbour, seen from the other end of the zero edge
+    return twin(f.mesh.next[g]); // same neighbor, seen from the other end of the zero edge
 }
 
 // Once round such a circle, from h on: visit(half-edge, the next one, a closed corner lies between).

@@ -16,7 +16,7 @@ public:
     Symmetry(Foliation& f, const Reflection& reflection, Call& call) :
         f_(f), mesh_(f.mesh), mirror_(reflection), call_(call) {}
 
-    hmf_status run(Symmetrised& made) {
+    hmf_status run(Symmetrized& made) {
         bool& exact = made.exact;
         Memory& memory = call_.memory;
         Array<int64_t> before;
@@ -245,7 +245,7 @@ private:
     }
 
     // The values of the front on the back.
-    Done reflect(Symmetrised& made) {
+    Done reflect(Symmetrized& made) {
         bool& exact = made.exact;
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)
             if (mirror_.is_front[h]) f_.value[edge_of(mirror_.half_edge[h])] = f_.at(h);
@@ -275,7 +275,7 @@ private:
 
 } // namespace
 
-hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrised& made) {
+hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrized& made) {
     return Symmetry(f, reflection, call).run(made);
 }
 

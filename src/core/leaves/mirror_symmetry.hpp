@@ -17,13 +17,13 @@
 //
 //                              v             --v--
 //                             / \     ->                  as far as the first
-//                          --'   '--       --     --      neighbour or branch point
+//                          --'   '--       --     --      neighbor or branch point
 //
 //     none does          then it shrinks to one point.  If it has a cylinder round it,
 //                        the point goes to the middle of that.
 //
 // All of it is moves of whole clusters along the tree, which keep the class and make
-// no pole.  Each but the last of a curve joins a neighbour to the cluster or gives it
+// no pole.  Each but the last of a curve joins a neighbor to the cluster or gives it
 // a direction, so they end.
 #pragma once
 
@@ -40,7 +40,7 @@ struct Reflection {
     bool on_boundary(uint32_t h) const { return half_edge[h] == h; }
 };
 
-struct Symmetrised {
+struct Symmetrized {
     bool exact = false;
     SingularityCount count; // of f as it is now, if exact
 };
@@ -48,6 +48,6 @@ struct Symmetrised {
 // exact: false, and f is as it was, if a cluster that goes round a part of the surface, or
 // holds a marked vertex, would have to be taken apart, or if f is so far from symmetric
 // that this takes longer than about a sweep over the mesh.
-[[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrised& made);
+[[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrized& made);
 
 } // namespace hmf

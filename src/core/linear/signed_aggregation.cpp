@@ -1,7 +1,7 @@
 // Smoothed aggregation (Vanek, Mandel, Brezina 1996) with signs.  Not in [W],
 // which only moves one vertex at a time.
 //
-//   root r and its strong neighbours      left-overs join by vote
+//   root r and its strong neighbors       left-overs join by vote
 //
 //         o   o                                o   o
 //          \ /                                  \ /
@@ -101,7 +101,7 @@ void take_in(const SignedMatrix& matrix, uint32_t root, bool strong_only, Aggreg
     ++a.count;
 }
 
-// Joins i to the neighbouring aggregate with the largest signed vote; false if there is
+// Joins i to the neighboring aggregate with the largest signed vote; false if there is
 // none.  vote: zeros, left as found.
 bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, double* vote, Aggregates& a) {
     const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
@@ -218,7 +218,7 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
             has_strong = a.of[matrix.column[k]] == undecided && (a.strong[k] & on_matrix_row);
         if (has_strong) take_in(matrix, i, true, a);
     }
-    // What is left has weak neighbours only.
+    // What is left has weak neighbors only.
     Array<double> vote;
     for (uint32_t i = 0; i < n; ++i) {
         if (a.of[i] != undecided) continue;

@@ -75,7 +75,7 @@ private:
             std::memcpy(order_ + used, queue_.data(), found * sizeof(uint32_t));
             return waiting_.push({range.begin, used}) && waiting_.push({used, range.end});
         }
-        if (last < 2) return true; // all are neighbours of one
+        if (last < 2) return true; // all are neighbors of one
         const uint32_t layer = half == last ? last - 1 : half;
         uint32_t before = 0, after = 0;
         while (layer_[queue_[before]] < layer) ++before;

@@ -9,7 +9,7 @@ namespace hmf {
 
 namespace {
 
-// Rows with more entries are on the border: otherwise all of their neighbours would be.
+// Rows with more entries are on the border: otherwise all of their neighbors would be.
 constexpr uint32_t widest_inner_row = 48;
 // The rows of the matrix are met in no order: their memory is asked for sweep_ahead.
 constexpr uint32_t sweep_ahead = 8;
@@ -21,7 +21,7 @@ void prefetch_row(const SignedMatrix& matrix, uint32_t i) {
 
 // Where a row lies.  A mesh has its coarse vertices first, and those of each level in
 // an order in space.  Most vertices are of the last level, and nearly every other one has a
-// neighbour of it, or a neighbour that has: two steps to the last neighbour lead there.
+// neighbor of it, or a neighbor that has: two steps to the last neighbor lead there.
 Done find_places(const SignedMatrix& matrix, Array<uint32_t>& place, const Parallel& parallel, Memory& memory) {
     Array<uint32_t> last;
     if (!last.allocate(memory, matrix.n) || !place.allocate(memory, matrix.n)) return false;

@@ -348,7 +348,7 @@ private:
         }
         const uint32_t begin = first_vertex(k), end = vertex_end(k), half_edge_end = block.half_edge + block.sides;
         for (uint32_t v = begin; v < end; ++v) part_[v] = v;
-        // A lower neighbour, if there is one: trees that cover almost everything.
+        // A lower neighbor, if there is one: trees that cover almost everything.
         uint32_t* const list = crossing_ + block.half_edge / 2;
         for (uint32_t h = block.half_edge; h < half_edge_end; h += 2) {
             const uint32_t low = std::min(mesh_.origin[h], mesh_.origin[h + 1]),

@@ -105,7 +105,7 @@ struct Collapse {
 };
 
 // Link condition: the ends of h have no other edge between them, and exactly the
-// two opposite vertices are common neighbours, through single edges.  marks:
+// two opposite vertices are common neighbors, through single edges.  marks:
 // vertex_count zeros, left as found.
 bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks);
 

@@ -9,7 +9,7 @@
 //
 // The edges from a vertex to itself cut the surface into pieces.  A piece with
 // one edge at its boundary is a disk if its Euler characteristic (faces - edges
-// + vertices of the interior) is 1.  Then it is joined to its neighbour, which
+// + vertices of the interior) is 1.  Then it is joined to its neighbor, which
 // may become such a piece.  Edges inside of a monogon bound monogons, so that
 // this finds all of them, in linear time.
 //

@@ -1,5 +1,5 @@
 // The cascadic multigrid method ([W] section 4): solve on the coarsest level,
-// interpolate, optimise, up to the input.
+// interpolate, optimize, up to the input.
 #include "fraction.hpp"
 #include "steering.hpp"
 
@@ -141,7 +141,7 @@ Fineness LevelWork::refine_unit(double residual) {
 
 namespace {
 
-hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch,
+hmf_status optimize(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch,
                     bool gated, hmf_level_report& statistics) {
     const double start = call.seconds();
     LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, watch, gated, {}, {}, {}, {}};
@@ -157,7 +157,7 @@ hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recor
 }
 
 // The level as it was entered, and again with a check of each step if it loses the class.
-hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+hmf_status optimize_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
                              ClassWatch& watch, hmf_level_report& statistics) {
     Foliation& f = state.foliation;
     const double unit = recorder.unit();
@@ -179,7 +179,7 @@ hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& ca
             go_back();
             ++watch.repeats;
         }
-        status = optimise(state, options, call, recorder, &watch, gated, statistics);
+        status = optimize(state, options, call, recorder, &watch, gated, statistics);
         if (status >= HMF_ERROR_NULL || call.cancelled() || call.finishing()) return status;
         if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
         if (watch.holds()) return gated && status == HMF_LIMIT_STALLED ? HMF_LIMIT_CLASS : status;
@@ -212,8 +212,8 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
         if (!stop_improving) {
             const hmf_status here = options.guarded
-                                      ? optimise_in_class(state, options, call, recorder, *watch, statistics)
-                                      : optimise(state, options, call, recorder, watch, false, statistics);
+                                      ? optimize_in_class(state, options, call, recorder, *watch, statistics)
+                                      : optimize(state, options, call, recorder, watch, false, statistics);
             if (here >= HMF_ERROR_NULL) return here;
             // Only the last level decides, unless the whole call ran out of something.
             status = here;

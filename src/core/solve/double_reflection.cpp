@@ -39,7 +39,7 @@ hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call&
     return HMF_OK;
 }
 
-hmf_status make_symmetric(State& state, Call& call, Symmetrised& made) {
+hmf_status make_symmetric(State& state, Call& call, Symmetrized& made) {
     made.exact = false;
     if (state.level > 0 || !state.hierarchy->is_double()) return HMF_OK;
     Reflection reflection;

@@ -10,6 +10,6 @@ namespace hmf {
 [[nodiscard]] hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call& call);
 
 // The state, on the caller's side of level 0 of a double, becomes exactly symmetric if it can.
-[[nodiscard]] hmf_status make_symmetric(State& state, Call& call, Symmetrised& made);
+[[nodiscard]] hmf_status make_symmetric(State& state, Call& call, Symmetrized& made);
 
 } // namespace hmf

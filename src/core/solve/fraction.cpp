@@ -10,12 +10,12 @@ namespace hmf {
 
 namespace {
 
-// What the change of the neighbours' places does to the edge of side h of a vertex that rests.
+// What the change of the neighbors' places does to the edge of side h of a vertex that rests.
 double change_beyond(const Foliation& f, const TwistedModel& model, const double* part, uint32_t h) {
     return -model.sign[twin(h)] * part[f.mesh.target(h)];
 }
 
-// At a vertex that rests: by the directions of the integers.  Not more than this, whichever of them a neighbour of its
+// At a vertex that rests: by the directions of the integers.  Not more than this, whichever of them a neighbor of its
 // cluster has gone in.
 double residual_at_rest(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model,
                         const double* part, uint32_t v, double floor, Star& star) {
@@ -133,7 +133,7 @@ public:
         return list_.reserve(model_.count) && distance.allocate_filled(memory, model_.count, NONE)
             && with.allocate(memory, model_.count);
     }
-    Array<uint32_t> distance; // from the nearest centre; NONE: outside
+    Array<uint32_t> distance; // from the nearest center; NONE: outside
     Array<uint32_t> with;     // the first one that it moves with
 
     // First.
@@ -145,19 +145,18 @@ public:
             for (; done < list_.size(); ++done) {
                 const uint32_t u = list_[done];
                 for (uint32_t t = rings_.offset[u]; t < rings_.offset[u + 1]; ++t)
-                    if (add_unpulled(rings_.neighbour[t])) with[rings_.neighbour[t]] = v;
+                    if (add_unpulled(rings_.neighbor[t])) with[rings_.neighbor[t]] = v;
             }
         }
         list_.clear();
     }
-    void add_centre(uint32_t v) { add(v, 0); }
+    void add_center(uint32_t v) { add(v, 0); }
     // False: it is as large as it was.
     bool grow(uint32_t rings_around) {
         for (size_t i = 0; i < list_.size(); ++i) {
             const uint32_t v = list_[i];
             if (distance[v] >= rings_around) continue;
-            for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t)
-                add(rings_.neighbour[t], distance[v] + 1);
+            for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) add(rings_.neighbor[t], distance[v] + 1);
         }
         const bool grows = list_.size() > size_ || rings_around == 0;
         size_ = list_.size();
@@ -261,7 +260,7 @@ private:
             if (model_.rests[v]) return false;
             ways |= ways_of(v);
             for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
-                const uint32_t h = rings_.side[t].half_edge, u = rings_.neighbour[t];
+                const uint32_t h = rings_.side[t].half_edge, u = rings_.neighbor[t];
                 if (f_.at(h) != 0 || change(h) != 0 || seen_[u]) continue;
                 seen_[u] = 1;
                 stack_[found++] = u;
@@ -286,7 +285,7 @@ Done keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& mod
 }
 
 hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, ResidualResult& found) {
-    constexpr double accuracy = 1e-12, share = 0.25; // of the goal, from which on a vertex is a centre
+    constexpr double accuracy = 1e-12, share = 0.25; // of the goal, from which on a vertex is a center
     constexpr uint32_t all = UINT32_MAX - 1, rings_around[] = {0, 1, 2, 4, 8, 16, all};
     Call& call = work.call;
     Memory& memory = call.memory;
@@ -310,7 +309,7 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
         if (residual[v] > share * goal) zeros.add(v, floor);
     region.join_unpulled();
     for (uint32_t v = 0; v < n; ++v)
-        if (residual[v] > share * goal) region.add_centre(v);
+        if (residual[v] > share * goal) region.add_center(v);
     model.assemble(f, work.rings, weight, call);
     found.max = HUGE_VAL;
     Array<uint32_t> number;

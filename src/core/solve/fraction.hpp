@@ -1,5 +1,5 @@
 // Beyond the last bit.  A value has at most 60 bits.  Beside a needle or a cap, where weights are a million times
-// those of the neighbours, one unit more or less can be a residual above 1e-8.  Then each vertex gets a part of a
+// those of the neighbors, one unit more or less can be a residual above 1e-8.  Then each vertex gets a part of a
 // unit more: the real foliation
 //
 //     F'_ij = | F_ij - s_ij d_i - s_ji d_j |        (twisted_model.hpp)

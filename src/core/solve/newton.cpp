@@ -1,4 +1,4 @@
-// The direct method: Newton steps on the twisted Laplacian, globalised by
+// The direct method: Newton steps on the twisted Laplacian, globalized by
 // Whitehead moves.
 //
 // One round on a level:
@@ -102,8 +102,8 @@ public:
                 if (!relax_vertex(f_, w_.rings, weight_, v, w_.star, result) || result.largest <= at_rest) continue;
                 due[v] = pass + 1;
                 for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
-                    uint32_t& neighbour = due[w_.rings.neighbour[t]];
-                    if (neighbour != NONE) neighbour = pass + 1;
+                    uint32_t& neighbor = due[w_.rings.neighbor[t]];
+                    if (neighbor != NONE) neighbor = pass + 1;
                 }
             }
     }
@@ -187,7 +187,7 @@ private:
             const uint32_t v = picked_[i];
             if (distance_[v] == rings_around) continue;
             for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
-                const uint32_t u = w_.rings.neighbour[t];
+                const uint32_t u = w_.rings.neighbor[t];
                 if (distance_[u] != NONE) continue;
                 distance_[u] = distance_[v] + 1;
                 picked_.add(u);
@@ -228,7 +228,7 @@ private:
             uint64_t extrema = step_.find_suspects();
             if (had == UINT64_MAX) limbs_were_wrong_ = extrema > few_extrema;
             if (extrema > few_extrema && !tight) {
-                // What came to rest at its bound bounds its neighbours: now from the beginning.
+                // What came to rest at its bound bounds its neighbors: now from the beginning.
                 step_.restore();
                 std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
                 set_bounded_values();
@@ -262,7 +262,7 @@ private:
     hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
         if (!propose(effort, tight)) return interrupted(w_.call);
         // Where the step went too far, and wherever else it made extrema or moved zeros, the
-        // neighbourhood stays as it is.  If the energy rises, the bounds hold back too much: the others
+        // neighborhood stays as it is.  If the energy rises, the bounds hold back too much: the others
         // are solved for once more, and again while it rises less.  If nothing helps, all take a shorter step.
         double factor = 1, rise = 0;
         uint32_t radius = steering::first_rings_held, solves = 0;

@@ -110,7 +110,7 @@ constexpr uint32_t rounds_for_extrema = 8;
 constexpr uint32_t near_rings = 3, near_passes = 20;
 constexpr uint32_t far_rings = 6, far_passes = 40;
 constexpr uint32_t far_after = 2; // rounds
-// After the first pass a vertex has a reason to move if it or a neighbour did by more than this share of the residual.
+// After the first pass a vertex has a reason to move if it or a neighbor did by more than this share of the residual.
 constexpr double share_at_rest = 1e-3;
 // Where zeros are nearly everywhere: not more than so many moves for each vertex of the level, or so many passes.
 constexpr uint32_t moves_per_vertex = 8, least_passes = 4;

@@ -113,7 +113,7 @@ void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
     hold(rings, v);
 }
 
-// Rests, and its neighbours may pass it.
+// Rests, and its neighbors may pass it.
 void TwistedModel::hold(const Rings& rings, uint32_t v) {
     rests[v] = 1;
     right[v] = row_scale[v] = 0;
@@ -169,7 +169,7 @@ Done TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
 Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {
     const uint32_t n = count = f.mesh.vertex_count;
     offset = rings.offset.data();
-    column = rings.neighbour.data();
+    column = rings.neighbor.data();
     struct Sums {
         double pull = 0, energy = 0; // of all edges, at one of their ends
         void operator+=(const Sums& other) {
@@ -325,7 +325,7 @@ bool TwistedModel::clip(uint32_t k) {
     return true;
 }
 
-// Vertex k stops at its bound; its neighbours get theirs: F - s_k d_k - s d >= 0.
+// Vertex k stops at its bound; its neighbors get theirs: F - s_k d_k - s d >= 0.
 void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
     const int64_t at = at_bound(k) ? bound_at(k) : static_cast<int64_t>(d[k]);
     for (uint32_t t = rings.offset[k]; t < rings.offset[k + 1]; ++t) {
@@ -336,7 +336,7 @@ void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
     }
 }
 
-// Projected Gauss-Seidel in the neighbourhood of the patch, whose unknowns rest.
+// Projected Gauss-Seidel in the neighborhood of the patch, whose unknowns rest.
 void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch,
                                 Array<uint32_t>& distance) {
     constexpr uint32_t rings_around = 8;

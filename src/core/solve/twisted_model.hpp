@@ -11,14 +11,14 @@
 // regular cluster get opposite signs at their two ends: F' = |d_i - d_j|.
 // Vertices of other clusters (zeros) rest.  Marked vertices never move, and
 // those that share a regular cluster with one rest for this step, as the signs
-// change when one goes round a marked vertex.  Their neighbours may pass them:
+// change when one goes round a marked vertex.  Their neighbors may pass them:
 // the value is the distance before and after.  The model is exact while
 //
 //     s d_v <= a_v        at every corner of a tripod: stop at its branch point
-//     s d_v <= F_vm       at every neighbour m of a zero, which rests: stop there
+//     s d_v <= F_vm       at every neighbor m of a zero, which rests: stop there
 //
 // and no vertex becomes an extremum of the local potential.  A vertex that
-// stops at a branch point rests there in its turn: its neighbours must not
+// stops at a branch point rests there in its turn: its neighbors must not
 // pass it, either.
 #pragma once
 
@@ -31,7 +31,7 @@ struct TwistedModel {
     uint32_t count = 0;      // unknowns: one per vertex; the entries of those that rest are 0
     Array<int8_t> sign;      // per half-edge; 0 where the origin rests
     Array<uint8_t> rests;    // per vertex
-    Array<uint32_t> resting; // those of them that no neighbour may pass: zeros
+    Array<uint32_t> resting; // those of them that no neighbor may pass: zeros
     Array<uint32_t> tripod;  // a half-edge of each, before the step
     Array<int32_t> index;    // per vertex, before the step; a cluster's at one of its vertices
     double energy = 0;       // before the step, in squared units
@@ -75,7 +75,7 @@ struct TwistedModel {
     // others take that over.
     void freeze(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
                 Array<uint32_t>& patch, Array<uint32_t>& distance);
-    // New value of d_v from its neighbours, within the bounds.
+    // New value of d_v from its neighbors, within the bounds.
     double relaxed(uint32_t unknown_index) const;
     // d_k has come to a bound, and which one, exactly.
     bool at_bound(uint32_t k) const {

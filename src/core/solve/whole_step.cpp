@@ -157,7 +157,7 @@ bool WholeStep::settle(double factor, Array<uint32_t>& patch) {
     return settled;
 }
 
-// Vertices that have become extrema go to the mean of their neighbours.
+// Vertices that have become extrema go to the mean of their neighbors.
 void WholeStep::relax_extrema(Array<uint32_t>& patch) {
     const Mesh& mesh = f_.mesh;
     patch.clear();
@@ -177,7 +177,7 @@ void WholeStep::relax_extrema(Array<uint32_t>& patch) {
         for (size_t i = 0; i < had; ++i) {
             const uint32_t v = patch[i];
             for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
-                const uint32_t u = rings_.neighbour[t];
+                const uint32_t u = rings_.neighbor[t];
                 suspect(u);
                 if (end < mesh.vertex_count && shape(u) == Shape::extremum) {
                     patch.add(u);

@@ -1,5 +1,5 @@
 /* Hashes of what the library gives on a few made surfaces: the same numbers on
-   every machine, compiler and optimisation.  One line for each surface:
+   every machine, compiler and optimization.  One line for each surface:
    values, (u, v), leaves, conjugate leaves, quads, measures; for an even design
    values, (u, v), charts, relaxed quads, measures.
 

@@ -166,7 +166,7 @@ TEST(SignedMultigrid, ExtremeWeights) {
 }
 
 // Coarse unknowns that are left out, for such an island is near the kernel, but
-// have neighbours that are not.
+// have neighbors that are not.
 TEST(SignedMultigrid, HeavyIslandsThatHardlyTouchTheRest) {
     Random random(17);
     std::vector<Edge> edges = twisted_torus(100, 100, 8, random);
@@ -300,7 +300,7 @@ TEST(SignedMultigrid, FixedUnknownsKeepTheirValues) {
     std::vector<double> x(s.n(), 0);
     std::vector<uint32_t> fixed;
     for (uint32_t i = 17; i < s.n(); i += 1 + i / 2) fixed.push_back(i);
-    fixed.push_back(18); // a neighbour of the first
+    fixed.push_back(18); // a neighbor of the first
     for (uint32_t i : fixed) x[i] = 3 * random.uniform();
     const std::vector<double> start = x;
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);

@@ -77,7 +77,7 @@ TEST(SparseFactor, ComponentsAndRowsLeftOut) {
         if (s.diagonal[i] == 0) EXPECT_EQ(x[i], 0) << i;
 }
 
-// All are neighbours: as many entries as n^2 / 2.
+// All are neighbors: as many entries as n^2 / 2.
 TEST(SparseFactor, TooManyEntries) {
     std::vector<Edge> edges;
     for (uint32_t i = 0; i < 500; ++i)

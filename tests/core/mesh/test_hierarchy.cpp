@@ -357,7 +357,7 @@ TEST(Hierarchy, CoarsestLevelByDefault) {
     }
 }
 
-// Blocks collapse edges at the same time, so each vertex with a neighbour in another block has to be known, also where
+// Blocks collapse edges at the same time, so each vertex with a neighbor in another block has to be known, also where
 // a collapse at a border has just made it one.
 TEST(Hierarchy, BordersOfBlocksAreKnown) {
     BuildOptions one_level; // which leaves the vertices in their order in space

@@ -247,7 +247,7 @@ TEST(Mollify, TrianglesWithoutAreaAndEdgesWithoutLength) {
         const uint32_t a = mesh.triangles[3 * t], b = mesh.triangles[3 * t + 1], c = mesh.triangles[3 * t + 2];
         if (used[a] || used[b] || used[c]) continue;
         used[a] = used[b] = used[c] = true;
-        move(a, b, i % 3 ? c : b); // on the opposite edge, or onto a neighbour
+        move(a, b, i % 3 ? c : b); // on the opposite edge, or onto a neighbor
     }
     EXPECT_EQ(build_status(mesh, mollified(0)), HMF_ERROR_MESH_DEGENERATE);
     for (const double margin : {1e-5, 1e-3}) {

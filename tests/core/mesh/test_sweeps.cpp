@@ -31,7 +31,7 @@ Values differences(const Mesh& mesh, const std::vector<int64_t>& height) {
 }
 
 // Differences of a height on a torus that rises by 100 from column to column and by 0, 50 or 100 within one: no poles.
-// Then vertices go down to a neighbour where that makes none: clusters of zero edges of any shape.
+// Then vertices go down to a neighbor where that makes none: clusters of zero edges of any shape.
 Values random_values(Foliation& f, test::Random& random) {
     const Mesh& mesh = f.mesh;
     std::vector<int64_t> height(mesh.vertex_count);
@@ -52,9 +52,9 @@ Values random_values(Foliation& f, test::Random& random) {
 }
 
 // The vertices nearest to one, by edges: those are inside of block 0.
-std::vector<uint32_t> ball(const Mesh& mesh, uint32_t centre, size_t count) {
-    std::vector<uint32_t> block(mesh.vertex_count, NONE), queue{centre};
-    block[centre] = 0;
+std::vector<uint32_t> ball(const Mesh& mesh, uint32_t center, size_t count) {
+    std::vector<uint32_t> block(mesh.vertex_count, NONE), queue{center};
+    block[center] = 0;
     for (size_t i = 0; i < queue.size(); ++i)
         for (const uint32_t h : mesh.around(queue[i])) {
             const uint32_t w = mesh.target(h);
@@ -137,7 +137,7 @@ TEST(SweepTask, LooksNoFurtherThanItsBlock) {
 
 namespace {
 
-// A torus whose height rises along the columns, but for the heights that are given.  The neighbours of vertex `base`
+// A torus whose height rises along the columns, but for the heights that are given.  The neighbors of vertex `base`
 // that are higher pull at it.
 struct Hill {
     static constexpr uint32_t columns = 200, rows = 8;

@@ -58,15 +58,15 @@ double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fi
 // A shortest path between two vertices of the boundary whose other vertices lie inside and are free.
 Path shortest_arc(const LevelMesh& level, const std::vector<char>& on_boundary, const std::vector<char>& taken,
                   uint32_t from, uint32_t to) {
-    std::vector<std::vector<uint32_t>> neighbours(level.vertex_count);
+    std::vector<std::vector<uint32_t>> neighbors(level.vertex_count);
     for (size_t e = 0; e < level.edge_count; ++e)
         for (size_t k = 0; k < 2; ++k)
-            neighbours[level.edge_vertices[2 * e + k]].push_back(level.edge_vertices[2 * e + 1 - k]);
+            neighbors[level.edge_vertices[2 * e + k]].push_back(level.edge_vertices[2 * e + 1 - k]);
     std::vector<uint32_t> before(level.vertex_count, HMF_NONE);
     Path queue{from};
     before[from] = from;
     for (size_t i = 0; i < queue.size(); ++i)
-        for (const uint32_t w : neighbours[queue[i]]) {
+        for (const uint32_t w : neighbors[queue[i]]) {
             if (before[w] != HMF_NONE || taken[w] || (on_boundary[w] && (w != to || queue[i] == from))) continue;
             before[w] = queue[i];
             queue.push_back(w);

@@ -174,7 +174,7 @@ TEST(Boundary, CutAlongALeafIsExactOnAPillow) {
     }
 }
 
-// On a curved one up to discretisation.
+// On a curved one up to discretization.
 TEST(Boundary, CutAlongALeafOfATorus) {
     const TriMesh mesh = torus(48, 24, 3, 1, {true, 1, 0.2, 5});
     const Hierarchy hierarchy(mesh);

@@ -529,7 +529,7 @@ TEST(Campaign, SeedsThatFailed) {
     EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
 
-// 14: parameterisation wrote outside of its memory, as a zero had no vertex but a marked one.  2052: it needs 120
+// 14: parameterization wrote outside of its memory, as a zero had no vertex but a marked one.  2052: it needs 120
 // steps, and ended after 60, although each had gained.
 TEST(Campaign, SeedsThatFailedWithMarkedVertices) {
     Tally tally;

@@ -290,7 +290,7 @@ void move_zeros_into_triangles(hmf::Foliation& f, int64_t step) {
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         std::vector<uint32_t> out;
         for (const uint32_t h : mesh.around(v)) out.push_back(h);
-        // The branch of each neighbour: two beside each other are on the same one if their corner is not 0.
+        // The branch of each neighbor: two beside each other are on the same one if their corner is not 0.
         std::map<uint32_t, size_t> place;
         for (size_t i = 0; i < out.size(); ++i) place[out[i]] = i;
         std::vector<size_t> branch(out.size());

@@ -1,5 +1,5 @@
 // Marked vertices: exact solutions, the branched double cover, indices on all
-// levels, loops that go round them, leaves and parameterisation.
+// levels, loops that go round them, leaves and parameterization.
 #include "src/core/hierarchy/hierarchy.hpp"
 #include "support/read_obj.hpp"
 #include "support/sample.hpp"
@@ -163,11 +163,11 @@ struct DoubleCover {
     DoubleCover(const TriMesh& base, const LevelMesh& level, const Marks& marks) {
         const size_t n = base.vertex_count();
         // The sheets change places across the edges of a tree behind which lies an odd number of marks.
-        std::vector<std::vector<std::pair<uint32_t, size_t>>> neighbours(n);
+        std::vector<std::vector<std::pair<uint32_t, size_t>>> neighbors(n);
         for (size_t e = 0; e < level.edge_count; ++e) {
             const uint32_t a = level.edge_vertices[2 * e], b = level.edge_vertices[2 * e + 1];
-            neighbours[a].push_back({b, e});
-            neighbours[b].push_back({a, e});
+            neighbors[a].push_back({b, e});
+            neighbors[b].push_back({a, e});
         }
         std::vector<uint32_t> order{0};
         std::vector<size_t> parent_edge(n, SIZE_MAX);
@@ -175,7 +175,7 @@ struct DoubleCover {
         std::vector<char> seen(n, 0), odd(n, 0), swaps(level.edge_count, 0);
         seen[0] = 1;
         for (size_t i = 0; i < order.size(); ++i)
-            for (const auto& to : neighbours[order[i]])
+            for (const auto& to : neighbors[order[i]])
                 if (!seen[to.first]) {
                     seen[to.first] = 1;
                     parent[to.first] = order[i];
@@ -601,7 +601,7 @@ TEST(Marked, RandomMarks) {
     }
 }
 
-TEST(Marked, LeavesAndParameterisation) {
+TEST(Marked, LeavesAndParameterization) {
     Random random(41);
     for (const size_t count : {4, 7, 12}) {
         SCOPED_TRACE(testing::Message() << count << " marks");

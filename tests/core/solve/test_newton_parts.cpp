@@ -1,7 +1,7 @@
 // What the direct method is made of, on a torus with a known height.
 // The signs of the twisted model can be combed there: the matrix is the ordinary
 // Laplacian up to the orientation of each unknown.  An extremum goes back to
-// its nearest neighbour.  A move takes along what it would leave behind.
+// its nearest neighbor.  A move takes along what it would leave behind.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ constexpr uint32_t around = 12;
 
 // Closed values on torus_triangles(around, along.size()): the differences of a height that
 // rises by 100 from column to column and by `along` within one.  All vertices
-// are regular; equal heights of neighbours give clusters.
+// are regular; equal heights of neighbors give clusters.
 struct Combed {
     test::MadeMesh made;
     Memory memory{nullptr, nullptr, nullptr, 0};
@@ -338,8 +338,8 @@ TEST(TwistedModel, MinimumBetweenBounds) {
     for (uint32_t k = 0; k < model.count; ++k) ASSERT_NEAR(found[k], model.d[k], 1e-5) << k;
 }
 
-// One vertex is above or below all its neighbours; it is pulled back to the nearest.
-TEST(SettleExtremum, ReturnsToTheNearestNeighbour) {
+// One vertex is above or below all its neighbors; it is pulled back to the nearest.
+TEST(SettleExtremum, ReturnsToTheNearestNeighbor) {
     for (const std::vector<int64_t>& along :
          {std::vector<int64_t>{0, 7, 3, 11, 5, 13, 2, 9}, std::vector<int64_t>{0, 0, 7, 7, 13, 13, 5, 5}})
         for (const int side : {1, -1})
@@ -402,7 +402,7 @@ void expect_taken_along(Combed& combed, uint32_t v, uint32_t x) {
 
 } // namespace
 
-TEST(Move, TakesANeighbourAlong) {
+TEST(Move, TakesANeighborAlong) {
     const std::vector<int64_t> along = {0, 70, 3, 60, 5, 80, 2, 90};
     for (const uint32_t v : {34u, 36u, 38u}) { // lower than the vertex before
         Combed combed(along);
@@ -417,7 +417,7 @@ TEST(Move, TakesANeighbourAlong) {
 TEST(Move, TakesAVertexOfDegreeTwoAlong) {
     Combed combed({0, 70, 3, 60, 5, 80, 2, 90});
     Mesh& mesh = combed.f.mesh;
-    const uint32_t x = 44, v = x - 8; // with v, the next above and its neighbours round it
+    const uint32_t x = 44, v = x - 8; // with v, the next above and its neighbors round it
     for (uint32_t turn = 0, h = mesh.out[x], degree = 6; degree > 2 && turn < 100; ++turn, h = mesh.out[x]) {
         h = mesh.rotate_ccw(h);
         mesh.out[x] = h;
@@ -572,15 +572,15 @@ TEST(ConeAngles, OfASurfaceThatIsAPoint) {
     EXPECT_EQ(missing, 4);
 }
 
-// A vertex as high as its six neighbours.  The seven get fractions at random: the class is kept where none of them
+// A vertex as high as its six neighbors.  The seven get fractions at random: the class is kept where none of them
 // becomes as high as all that it was higher than, or one with an edge that opens an extremum, as their heights tell.
 TEST(Fractions, KeepTheClassWhereHeightsDo) {
     Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
     const Mesh& mesh = combed.f.mesh;
-    const uint32_t centre = mesh.vertex_count - 1; // the last one: its sides are the last of all
-    std::vector<uint32_t> disk{centre};
-    for (const uint32_t h : mesh.around(centre)) disk.push_back(mesh.target(h));
-    for (const uint32_t v : disk) combed.height[v] = combed.height[centre];
+    const uint32_t center = mesh.vertex_count - 1; // the last one: its sides are the last of all
+    std::vector<uint32_t> disk{center};
+    for (const uint32_t h : mesh.around(center)) disk.push_back(mesh.target(h));
+    for (const uint32_t v : disk) combed.height[v] = combed.height[center];
     combed.value = combed.values();
     Foliation& f = combed.f;
     f.value = combed.value.data();
@@ -605,7 +605,7 @@ TEST(Fractions, KeepTheClassWhereHeightsDo) {
     for (int round = 0; round < 300; ++round) {
         std::vector<double> raised(mesh.vertex_count, 0), part(mesh.vertex_count, 0);
         for (const uint32_t v : disk) raised[v] = place(random), part[v] = up * raised[v];
-        if (round % 2) raised[centre] = part[centre] = 0;
+        if (round % 2) raised[center] = part[center] = 0;
         // Some go together, and stay one: what they have is asked for, not what each of them has.
         if (round % 3 == 0)
             for (size_t k = 1; k < disk.size(); ++k)
@@ -626,7 +626,7 @@ TEST(Fractions, KeepTheClassWhereHeightsDo) {
     EXPECT_GT(lost, 20u);
 }
 
-// Neighbours of the same column pass each other.  The class is kept where each vertex that passes another keeps one
+// Neighbors of the same column pass each other.  The class is kept where each vertex that passes another keeps one
 // that it is higher and one that it is lower than, all the way: so none is an extremum on it.
 TEST(Fractions, KeepTheClassWhereVerticesPass) {
     Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
@@ -649,7 +649,7 @@ TEST(Fractions, KeepTheClassWhereVerticesPass) {
         std::uniform_real_distribution<double> place(-2.0 - 0.3 * round, 2.0 + 0.3 * round);
         std::vector<double> raised(mesh.vertex_count, 0), part(mesh.vertex_count, 0);
         for (uint32_t v = 40; v < 64; ++v) {
-            raised[v] = round % 4 ? place(random) : std::floor(place(random)); // some come as high as a neighbour
+            raised[v] = round % 4 ? place(random) : std::floor(place(random)); // some come as high as a neighbor
             part[v] = up[v] * raised[v];
         }
         bool expected = true, pass = false;

@@ -546,7 +546,7 @@ TEST(ProgressOf, LimitsStillGiveAFoliation) {
 }
 
 // What runs out on the coarsest level is carried to the finest, and nothing is done on the way.
-TEST(ProgressOf, NothingIsOptimisedAfterTheTimeLimit) {
+TEST(ProgressOf, NothingIsOptimizedAfterTheTimeLimit) {
     const Hierarchy hierarchy(pretzel(3, 3), 0.5, 400);
     ASSERT_TRUE(hierarchy);
     ASSERT_GE(hierarchy.levels(), 3u);

@@ -137,8 +137,8 @@ class _Picture:
         """Values of corners (m, 3, k), interpolated at each pixel."""
         return np.asarray(np.einsum("pc,pck->pk", self.weights, values[self.triangle]))
 
-    def colours(self, surface: Floats) -> Floats:
-        """The shaded picture of a colour, or of one for each pixel."""
+    def colors(self, surface: Floats) -> Floats:
+        """The shaded picture of a color, or of one for each pixel."""
         image = np.ones((self.height * self.width, 4))
         image[:, :3] = surface * (0.45 + 0.55 * self.brightness[:, None])
         image[:, 3] = np.isfinite(self.depth)
@@ -153,12 +153,12 @@ class _Picture:
 Pattern = Literal["stripes", "checkerboard", "dilatation", "none"]
 
 
-def _surface(picture: _Picture, foliation: Foliation, pattern: Pattern, period: float | None, colours: Any) -> Floats:
-    """Colours of the surface, for all pixels or for each."""
+def _surface(picture: _Picture, foliation: Foliation, pattern: Pattern, period: float | None, colors: Any) -> Floats:
+    """Colors of the surface, for all pixels or for each."""
     from matplotlib import colormaps
     from matplotlib.colors import to_rgb
 
-    light, dark = (np.array(to_rgb(colour)) for colour in colours)
+    light, dark = (np.array(to_rgb(color)) for color in colors)
     if pattern not in ("checkerboard", "dilatation"):
         return light[None, :]
     parameterization = foliation.parameterize()
@@ -190,10 +190,10 @@ def plot(
     loops: Loops | Sequence[ArrayLike] | Literal[False] | None = None,
     quads: QuadMesh | None = None,
     leaves: Leaves | Sequence[Leaves] | None = None,
-    colour: Any = "#f4efe6",
-    stripe_colour: Any = "#b3202a",
-    zero_colour: Any = "#1f4fd8",
-    loop_colour: Any = "#1a8a3a",
+    color: Any = "#f4efe6",
+    stripe_color: Any = "#b3202a",
+    zero_color: Any = "#1f4fd8",
+    loop_color: Any = "#1a8a3a",
 ) -> Axes:
     """Draws the surface with stripes along the leaves, and its zeros; needs matplotlib.
 
@@ -208,9 +208,9 @@ def plot(
         object is seen in its full width, from somewhat above.
     pattern : "stripes", "checkerboard", "dilatation" or "none"
         Leaves at equal distances; squares of (u, v); how far the
-        parameterisation is from conformal, light is near; nothing.
+        parameterization is from conformal, light is near; nothing.
     spacing : float, optional
-        Distance of two stripes, or of two squares of one colour, in the unit
+        Distance of two stripes, or of two squares of one color, in the unit
         of the values; default of stripes from ``stripes``.
     stripes : int
         About how many stripes there are across the object.
@@ -221,10 +221,10 @@ def plot(
     quads : QuadMesh, optional
         Drawn instead of the surface, with its edges.
     leaves : Leaves, or sequence of Leaves, optional
-        Those to draw instead of stripes: of one set each cylinder has a colour
+        Those to draw instead of stripes: of one set each cylinder has a color
         and critical leaves are black, of several each set has one.
-    colour, stripe_colour, zero_colour, loop_colour
-        Colours of matplotlib.
+    color, stripe_color, zero_color, loop_color
+        Colors of matplotlib.
 
     Returns
     -------
@@ -250,18 +250,18 @@ def plot(
         picture = _Picture(quads.positions @ frame.T, quads.quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3))
     if ax is None:
         ax = plt.figure(figsize=(9, 9 * picture.height / picture.width), layout="constrained").add_subplot()
-    surface = _surface(picture, foliation, pattern, spacing, (colour, stripe_colour))
-    ax.imshow(picture.colours(surface), extent=picture.extent, origin="lower", zorder=1)
+    surface = _surface(picture, foliation, pattern, spacing, (color, stripe_color))
+    ax.imshow(picture.colors(surface), extent=picture.extent, origin="lower", zorder=1)
 
-    def draw(begin: Floats, end: Floats, colour: Any, width: float, order: int) -> None:
+    def draw(begin: Floats, end: Floats, color: Any, width: float, order: int) -> None:
         """What is in front of some segments."""
         shown = picture.visible((begin + end) / 2)
         segments = np.stack([begin[shown, :2], end[shown, :2]], axis=1)
         ax.add_collection(
-            LineCollection(list(segments), colors=[colour], linewidths=width, capstyle="round", zorder=order)
+            LineCollection(list(segments), colors=[color], linewidths=width, capstyle="round", zorder=order)
         )
 
-    def draw_leaves(given: Leaves, which: NDArray[np.bool_], colour: Any, width: float) -> None:
+    def draw_leaves(given: Leaves, which: NDArray[np.bool_], color: Any, width: float) -> None:
         path = given.points @ frame.T
         # Each point with the next one of its leaf.
         begin, following = np.arange(len(path)), np.arange(1, len(path) + 1)
@@ -270,7 +270,7 @@ def plot(
         counts: Any = np.diff(given.offsets.astype(np.int64))
         kept = np.repeat(which, counts)
         kept[last[given._rows["closed"] == 0]] = False
-        draw(path[begin[kept]], path[following[kept]], colour, width, 2)
+        draw(path[begin[kept]], path[following[kept]], color, width, 2)
 
     if leaves is not None:
         sets = [leaves] if isinstance(leaves, Leaves) else list(leaves)
@@ -287,26 +287,26 @@ def plot(
             spacing = default_spacing(foliation, level.positions, level.triangles, stripes)
         lines = foliation.trace(spacing=spacing)
         if len(lines):
-            draw_leaves(lines, np.ones(len(lines), dtype=bool), stripe_colour, 1.1)
+            draw_leaves(lines, np.ones(len(lines), dtype=bool), stripe_color, 1.1)
     if quads is not None:
         sides = np.stack([quads.quads, np.roll(quads.quads, -1, axis=1)], axis=2).reshape(-1, 2)
         points = quads.positions @ frame.T
         begin, end = (points[column] for column in sides[sides[:, 0] < sides[:, 1]].T)
         # In pieces: one end of a side may be hidden.
         for part in np.arange(4) / 4:
-            draw(begin + part * (end - begin), begin + (part + 0.25) * (end - begin), stripe_colour, 0.8, 2)
+            draw(begin + part * (end - begin), begin + (part + 0.25) * (end - begin), stripe_color, 0.8, 2)
     if loops is None and quads is None and leaves is None:
         loops = foliation.loops
     if loops is not None and loops is not False:
         for points in as_loops(loops, None).positions(foliation.hierarchy):
             path = points @ frame.T
-            draw(path, np.roll(path, -1, axis=0), loop_colour, 3.0, 3)
+            draw(path, np.roll(path, -1, axis=0), loop_color, 3.0, 3)
     if zeros:
         marks = foliation.singularities().zeros
         places = np.array([zero.position for zero in marks]).reshape(-1, 3) @ frame.T
         shown = picture.visible(places)
         sizes = np.array([-40.0 * zero.index for zero in marks])
-        ax.scatter(places[shown, 0], places[shown, 1], s=sizes[shown], color=zero_colour, edgecolors="white", zorder=4)
+        ax.scatter(places[shown, 0], places[shown, 1], s=sizes[shown], color=zero_color, edgecolors="white", zorder=4)
     ax.set_aspect("equal")
     ax.set_axis_off()
     return ax

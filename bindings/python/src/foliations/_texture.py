@@ -74,7 +74,7 @@ def default_period(foliation: Foliation, parameterization: Parameterization) -> 
         numbers = np.arange(np.ceil(jump / (1.4 * wanted)), np.floor(jump / (0.7 * wanted)) + 1)
         periods += (jump / numbers[numbers > 0]).tolist()
     # Where most of the seams are not seen, and of those the nearest to the wish.  The
-    # jumps between zeros that only discretisation keeps apart fit nothing.
+    # jumps between zeros that only discretization keeps apart fit nothing.
     turns = jumps[:, None] / np.array(periods)
     fits = counts @ (np.abs(turns - np.rint(turns)) < 1e-6 * np.maximum(turns, 1))
     best = np.array(periods)[fits == fits.max()]

@@ -220,7 +220,6 @@ def in_words(message: str, status: int) -> str:
     """A sentence of the C library in the words of this package."""
     for library, package in _WORDS:
         message = message.replace(library, package)
-    message = message.replace("optimis", "optimiz")
     kept = [part for part in re.split(r"(?<=\.)\s+", message) if part and not _FOREIGN.search(part)]
     return " ".join(kept) or Status(status).text.capitalize() + "."
 

@@ -224,7 +224,7 @@ class Foliation:
 
     @property
     def memory(self) -> int:
-        """Bytes held by the foliation, without its hierarchy; more once it was parameterised, say."""
+        """Bytes held by the foliation, without its hierarchy; more once it was parameterized, say."""
         return int(lib.hmf_foliation_memory(self._pointer))
 
     @property

@@ -40,7 +40,7 @@ class Loops(Sequence[Indices]):
     Parameters
     ----------
     paths : sequence of sequences of int
-        One path for each loop.  Consecutive elements are neighbours, and so
+        One path for each loop.  Consecutive elements are neighbors, and so
         are the last and the first, which may also be repeated at the end.
     kind : "vertices" or "triangles"
         Vertices that follow each other along edges, or triangles that follow

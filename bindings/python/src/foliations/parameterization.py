@@ -1,4 +1,4 @@
-"""Global conformal parameterisation of a harmonic foliation."""
+"""Global conformal parameterization of a harmonic foliation."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Parameterization:
     degenerate_triangles: int
     seam_edge_count: int
     seam_length: float  #: in the unit of the positions
-    area: float  #: of the image: the energy, up to discretisation
+    area: float  #: of the image: the energy, up to discretization
     linear_iterations: int
     seconds: float
 
@@ -60,7 +60,7 @@ def parameterize(
     seam_edges: ArrayLike | None = None,
     progress: ProgressOption = None,
 ) -> Parameterization:
-    """The global conformal parameterisation that has this foliation as |du|.
+    """The global conformal parameterization that has this foliation as |du|.
 
     Parameters
     ----------

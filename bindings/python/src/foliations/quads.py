@@ -67,7 +67,7 @@ def quads(
     """A closed quad mesh along the leaves: a grid on each cylinder, glued along the critical leaves.
 
     A zero of order m has 2 m + 4 edges, every other vertex has 4.  Zeros that
-    only discretisation keeps apart can become one.  One quad lies over each
+    only discretization keeps apart can become one.  One quad lies over each
     pole, between two vertices with 3 edges.  ``hmf quads`` of the command line
     is ``quads(count=5000, merge=True, relax=40)``.
 

@@ -45,8 +45,8 @@ def plate(holes_x: int, holes_y: int, side: int, height: int) -> tuple[NDArray[n
     padded = np.pad(solid, 1)
     exposed = np.empty((*solid.shape, 6), dtype=bool)
     for number, (x, y, z) in enumerate(_DIRECTIONS):
-        neighbour = padded[1 + z :, 1 + y :, 1 + x :][: solid.shape[0], : solid.shape[1], : solid.shape[2]]
-        exposed[..., number] = solid & ~neighbour
+        neighbor = padded[1 + z :, 1 + y :, 1 + x :][: solid.shape[0], : solid.shape[1], : solid.shape[2]]
+        exposed[..., number] = solid & ~neighbor
     # Rows in the order z, y, x, direction.
     faces = np.argwhere(exposed)
     corners = (faces[:, None, 2::-1] + _CORNERS[faces[:, 3]]).reshape(-1, 3)
@@ -79,7 +79,7 @@ def pretzel(genus: int = 2, *, side: int = 6) -> tuple[Floats, Indices]:
     positions = points.astype(np.float64)
     following = triangles[:, [1, 2, 0]]
     degree = np.bincount(triangles.ravel()).astype(np.float64)
-    # Each vertex to the mean of its neighbours: rounds off edges of the cubes
+    # Each vertex to the mean of its neighbors: rounds off edges of the cubes
     # in proportion to the size.
     for _ in range(side * side // 2):
         for axis in range(3):

@@ -33,9 +33,9 @@ macro_rules! statuses {
 statuses! {
     /// Success.
     OK = HMF_OK;
-    /// The iteration limit ended the optimisation.
+    /// The iteration limit ended the optimization.
     LIMIT_ITERATIONS = HMF_LIMIT_ITERATIONS;
-    /// The time limit ended the optimisation.
+    /// The time limit ended the optimization.
     LIMIT_TIME = HMF_LIMIT_TIME;
     /// No further progress is possible above the tolerance.
     LIMIT_STALLED = HMF_LIMIT_STALLED;
@@ -126,7 +126,7 @@ impl Status {
         Status(code)
     }
 
-    /// Whether the optimisation was stopped before it converged: a limit or a
+    /// Whether the optimization was stopped before it converged: a limit or a
     /// cancellation.
     pub fn is_stopped(self) -> bool {
         (10..100).contains(&self.0)
@@ -262,7 +262,6 @@ const WORDS: &[(&str, &str)] = &[
     ("with hmf_interpolate", "with Foliation::interpolate"),
     ("with hmf_relax", "with Solver::relax"),
     ("Give one of them, the other NULL", "Give one of them"),
-    ("optimis", "optimiz"),
 ];
 const FOREIGN: [&str; 6] = ["hmf_", "HMF_", "NULL", "struct_size", "->", "position_stride"];
 

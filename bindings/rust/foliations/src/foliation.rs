@@ -100,7 +100,7 @@ impl Foliation {
         unsafe { sys::hmf_foliation_unit(self.as_ptr()) }
     }
 
-    /// Bytes held by the foliation, without its hierarchy; more once it was parameterised, say.
+    /// Bytes held by the foliation, without its hierarchy; more once it was parameterized, say.
     pub fn memory(&self) -> u64 {
         // SAFETY: the handle is valid.
         unsafe { sys::hmf_foliation_memory(self.as_ptr()) }

@@ -13,7 +13,7 @@ use std::ptr;
 use std::time::Duration;
 
 codes! {
-    /// How the energy is minimised.
+    /// How the energy is minimized.
     #[derive(Default)]
     Method: i32 {
         /// Newton steps on the twisted Laplacian, level by level.
@@ -93,7 +93,7 @@ impl<'a> Solver<'a> {
         self
     }
 
-    /// How the energy is minimised. Default: [`Method::Newton`].
+    /// How the energy is minimized. Default: [`Method::Newton`].
     pub fn method(mut self, method: Method) -> Self {
         self.options.method = method as i32;
         self
@@ -155,7 +155,7 @@ impl<'a> Solver<'a> {
 
     /// The harmonic foliation in the class of the loops.
     ///
-    /// If a limit or the progress closure ended the optimisation and there is a
+    /// If a limit or the progress closure ended the optimization and there is a
     /// foliation, it is the result, closed and without poles;
     /// [`Solution::stopped`] tells why.
     ///
@@ -193,7 +193,7 @@ impl<'a> Solver<'a> {
         self.solution(solved)
     }
 
-    /// Optimises a foliation on its level; otherwise as [`solve`](Solver::solve).
+    /// Optimizes a foliation on its level; otherwise as [`solve`](Solver::solve).
     /// Loops, `start` and `stop_level` are not used.
     ///
     /// # Errors
@@ -233,11 +233,11 @@ impl<'a> Solver<'a> {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Solution {
-    /// Closed and without poles, even if the optimisation was stopped.
+    /// Closed and without poles, even if the optimization was stopped.
     pub foliation: Foliation,
     /// How the run went.
     pub report: Report,
-    /// Why the optimisation was stopped before it converged: a limit
+    /// Why the optimization was stopped before it converged: a limit
     /// (`Status::LIMIT_*`) or [`Status::CANCELLED`]. `None`: it converged.
     pub stopped: Option<Error>,
 }
@@ -328,7 +328,7 @@ record! {
         iterations: u64,
         /// Linear systems.
         linear_solves: u64,
-        /// Time of the optimisation.
+        /// Time of the optimization.
         optimize_seconds: f64,
         /// Time of the way from the next coarser level to this one.
         interpolate_seconds: f64,

@@ -165,7 +165,7 @@ fn loops_start_a_foliation() {
     for level in [0, hierarchy.coarsest_level()] {
         let loops = hierarchy.loops(level, LoopsKind::Cut).unwrap();
         assert_eq!((loops.level(), loops.len(), loops.weights()), (level, 2, &[1.0, 1.0][..]));
-        // Each pair of neighbouring triangles shares the edge that the loop crosses.
+        // Each pair of neighboring triangles shares the edge that the loop crosses.
         let sides = hierarchy.triangle_edges(level).unwrap();
         let loops = loops.with_weights(&[1.0, 0.25]).unwrap();
         let mut crossings = HashMap::new();
@@ -188,7 +188,7 @@ fn loops_start_a_foliation() {
                 assert_eq!(*value, *crossings.get(&(edge as u32)).unwrap_or(&0.0));
             }
         }
-        // The same class, optimised: from these values and from the loops.
+        // The same class, optimized: from these values and from the loops.
         let relaxed = hierarchy.solver().relax(&start).unwrap();
         let solved = hierarchy.solver().loops(&loops).stop_level(level).solve().unwrap();
         assert_eq!(relaxed.foliation.level(), level);

@@ -1,4 +1,4 @@
-//! Conformal parameterisation of a harmonic foliation.
+//! Conformal parameterization of a harmonic foliation.
 
 use crate::error::Result;
 #[cfg(doc)]
@@ -11,7 +11,7 @@ use crate::records::{options, record, Read};
 use foliations_sys as sys;
 use std::ops::Deref;
 
-/// Options for the parameterisation of a foliation; see [`Foliation::parameterizer`].
+/// Options for the parameterization of a foliation; see [`Foliation::parameterizer`].
 ///
 /// What is not set has its default.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub struct Parameterizer<'a> {
 }
 
 impl Foliation {
-    /// Options for a conformal parameterisation of this foliation, all at their defaults.
+    /// Options for a conformal parameterization of this foliation, all at their defaults.
     ///
     /// ```
     /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
@@ -68,7 +68,7 @@ impl<'a> Parameterizer<'a> {
         self
     }
 
-    /// The global conformal parameterisation of the foliation: |du| is the
+    /// The global conformal parameterization of the foliation: |du| is the
     /// foliation, v its harmonic conjugate. The surface is cut along short seams
     /// through the zeros; in the cut surface every corner has one (u, v).
     ///
@@ -94,7 +94,7 @@ impl<'a> Parameterizer<'a> {
     }
 }
 
-/// A conformal parameterisation: coordinates (u, v) of the corners of all triangles.
+/// A conformal parameterization: coordinates (u, v) of the corners of all triangles.
 ///
 /// The linear parts of the transitions are +-1, so (du + i dv)^2 has no seams: it is
 /// the holomorphic quadratic differential. Zeros in triangles move to a corner.
@@ -153,7 +153,7 @@ record! {
         seam_edge_count: u64,
         /// Length of the seams, in the unit of the positions.
         seam_length: f64,
-        /// Area of the image: the energy, up to discretisation.
+        /// Area of the image: the energy, up to discretization.
         area: f64,
         /// Iterations of the linear solver.
         linear_iterations: u64,

@@ -21,7 +21,7 @@ pub struct QuadMesh {
 arrays! {
     QuadMesh {
         /// Points of the surface. The first are the zeros, in the order of
-        /// [`Singularities::list`](crate::Singularities::list). Zeros that only discretisation
+        /// [`Singularities::list`](crate::Singularities::list). Zeros that only discretization
         /// keeps apart can become one, with the sum of their orders. A zero of order m has
         /// 2 m + 4 edges, every other vertex has 4.
         positions: [[f64; 3]; vertex_count],
