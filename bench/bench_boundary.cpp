@@ -4,7 +4,7 @@
 //
 //     -r N         runs of each (3)
 //     --holes      numbers of holes, each its own case (1,3,10); 0: the mesh is taken as it is
-//     --rings N    a hole is a vertex and so many rings of triangles round it (3)
+//     --rings N    a hole is a vertex and so many rings of triangles around it (3)
 //
 // Processor seconds of build and of solve with the loops of the library, the least of the
 // runs; all meshes by turns.  A row of a table in Markdown for each case.
@@ -78,7 +78,7 @@ struct Random {
     }
 };
 
-// Without the triangles round some vertices; unused vertices are left out.
+// Without the triangles around some vertices; unused vertices are left out.
 readers::TriangleMesh with_holes(const readers::TriangleMesh& mesh, size_t holes, size_t rings, uint64_t seed) {
     Random random{seed};
     std::vector<char> gone(mesh.triangle_count(), 0), inside;

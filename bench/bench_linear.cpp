@@ -3,7 +3,7 @@
 //     bench_linear [-r repeats] [-k kind] [mesh.obj ...]
 //
 // kind: gauge (random signs of the unknowns, singular), twisted (signs that
-// turn round a few dozen pairs of triangles), fixed (twisted, and some
+// turn around a few dozen pairs of triangles), fixed (twisted, and some
 // unknowns fixed), or all (default).  Without meshes: tori of several sizes.
 // One line per matrix; seconds are medians over the repeats, ratios are taken
 // repeat by repeat, with their smallest and largest value.  With less than

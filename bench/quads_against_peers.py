@@ -63,7 +63,7 @@ def is_sound(quads, chi):
     there = {(a, b): i for i, (a, b) in enumerate(sides.tolist())}
     if len(there) != len(sides) or any(a == b or (b, a) not in there for a, b in there): return False
     if euler(quads, sides) != chi: return False
-    # Corners joined round their vertices: as many classes as vertices; quads joined over their sides: one class.
+    # Corners joined around their vertices: as many classes as vertices; quads joined over their sides: one class.
     twin = np.array([there[(b, a)] for a, b in sides.tolist()])
     corner = np.arange(len(sides))
     after = twin // 4 * 4 + (twin + 1) % 4

@@ -2,8 +2,8 @@
 // foliation, and the assertions that every operation must keep.
 //
 // The surface is a chain of 1 to 3 grid tori, glued at triangles.  Each torus
-// may carry a loop of random weight round its column 0.  Or it is a sphere, a
-// tube with two ends, with a loop round the tube.  Up to 7 vertices are marked,
+// may carry a loop of random weight around its column 0.  Or it is a sphere, a
+// tube with two ends, with a loop around the tube.  Up to 7 vertices are marked,
 // on the sphere at least two on each side of the loop.  Whitehead moves under
 // random weights then spread the foliation.
 #pragma once

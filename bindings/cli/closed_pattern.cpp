@@ -44,7 +44,7 @@ public:
             (pair[0] == NONE ? pair[0] : pair[1]) = k;
             around_[t_[k]] = k;
         }
-        // On the boundary the walk round a vertex begins at the side with nothing on its right.
+        // On the boundary the walk around a vertex begins at the side with nothing on its right.
         for (uint32_t k = 0; k < e_.size(); ++k)
             if (sides_[e_[k]][1] == NONE) around_[t_[k]] = k;
     }

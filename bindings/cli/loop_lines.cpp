@@ -7,11 +7,11 @@
 //       \____\____\_/____/       another edge, settle.
 //           r0    r1    r2
 //
-// Where such a curve has a corner at a vertex and less than a half turn lies beyond, the strip is led round the other
+// Where such a curve has a corner at a vertex and less than a half turn lies beyond, the strip is led around the other
 // side of the vertex (Sharp and Crane 2020, with strips instead of flips):
 //
 //          . other side .
-//       ------.--v--.------     the curve bends round v, below it lies the strip: it is led above v
+//       ------.--v--.------     the curve bends around v, below it lies the strip: it is led above v
 //            /   |   .
 #include "loop_lines.hpp"
 
@@ -203,7 +203,7 @@ double angle(const PlanePoint& a, const PlanePoint& v, const PlanePoint& b) {
     return x > 0 && y > 0 ? std::acos(std::clamp((x * x + y * y - z * z) / (2 * x * y), -1.0, 1.0)) : 0;
 }
 
-// The strip round the other side of the vertex v that the gates from a, so many, have on one side; empty where a
+// The strip around the other side of the vertex v that the gates from a, so many, have on one side; empty where a
 // boundary is in the way, or a half turn or more lies on that side.
 Strip other_side(const Foliation& f, const Neighbors& beside, const Strip& gates, const Line& line, size_t a,
                  size_t count, bool is_left) {
@@ -228,7 +228,7 @@ Strip other_side(const Foliation& f, const Neighbors& beside, const Strip& gates
     return {};
 }
 
-// Leads the strip round the other side of vertices where its curve has a corner; false: there is none.
+// Leads the strip around the other side of vertices where its curve has a corner; false: there is none.
 bool pass_corners(const Foliation& f, const Neighbors& beside, Strip& gates, const std::vector<double>& fraction,
                   const Line& line) {
     const size_t n = gates.size();

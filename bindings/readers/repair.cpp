@@ -220,7 +220,7 @@ private:
         }
     }
 
-    // Goes round the vertex, away from the side and through neighbors, to a side that has none.
+    // Goes around the vertex, away from the side and through neighbors, to a side that has none.
     uint32_t end_of_fan(uint32_t side, uint32_t vertex) const {
         for (;;) {
             uint32_t corner = side - side % 3;

@@ -152,7 +152,7 @@ public:
         for (uint32_t i = 0; i < count_; ++i)
             if (turn(point_[before(i)], point_[i], point_[after(i)]) <= 0) return false;
         for (uint32_t i = 2; i < count_; ++i) {
-            // A star goes round its first corner more than once.
+            // A star goes around its first corner more than once.
             if (turn(point_[0], point_[1], point_[i]) <= 0) return false;
             const double longest =
                 std::max({square_distance(0, i - 1), square_distance(i - 1, i), square_distance(0, i)});

@@ -452,7 +452,7 @@ TEST(Atlas, LargeMarginsAreKept) {
 }
 
 // A torus of revolution is one rectangle, which is cut to fit.
-// Cuts round such a torus are equally good, and the last bits choose among them: two or three of 24 tori of about this
+// Cuts around such a torus are equally good, and the last bits choose among them: two or three of 24 tori of about this
 // size have five charts, others with other bits.
 TEST(Atlas, ATorusNeedsFewCharts) {
     std::vector<uint64_t> charts;

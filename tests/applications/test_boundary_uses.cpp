@@ -145,7 +145,7 @@ TEST(Boundary, QuadsOfAnAnnulusBothWays) {
             expect_quads_conform(mesh, *quads, 0);
             EXPECT_EQ(quads->irregular_count, 0u);
             EXPECT_EQ(quads->inverted_count, 0u);
-            // The rows are as many as that asks for; round the boundary at least as many as the rings need.
+            // The rows are as many as that asks for; around the boundary at least as many as the rings need.
             EXPECT_NEAR(double(quads->quad_count), double(count), (way == 0 ? 0.1 : 0.015) * double(count));
         }
     }

@@ -179,7 +179,7 @@ TEST(Disks, SuggestedMarksAreCorners) {
 // A bag: its boundary is short, so the marks are tips and lie inside as on a sphere.
 TEST(Disks, ShortBoundaryHasNoCorners) {
     TriMesh mesh = sheet(30, 30, 1, 1, 0, 0.5);
-    // Pulled over a sphere: the square becomes all of it but a hole round the pole.
+    // Pulled over a sphere: the square becomes all of it but a hole around the pole.
     for (size_t v = 0; v < mesh.vertex_count(); ++v) {
         double* const p = &mesh.positions[3 * v];
         const double x = 2 * p[0] - 1, y = 2 * p[1] - 1, r = std::max(std::fabs(x), std::fabs(y));

@@ -438,7 +438,7 @@ TEST_P(Leaves, Quads) {
             EXPECT_GT(static_cast<double>(count), 0.5 * area / (length * length));
             EXPECT_LT(static_cast<double>(count), 2 * area / (length * length));
         }
-        // A fan round each vertex: following the quads comes back after all of them.
+        // A fan around each vertex: following the quads comes back after all of them.
         std::map<std::pair<uint32_t, uint32_t>, uint32_t> before; // (vertex, next) -> previous in the quad
         for (size_t q = 0; q < count; ++q)
             for (size_t s = 0; s < 4; ++s)

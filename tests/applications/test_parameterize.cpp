@@ -62,7 +62,7 @@ Solution harmonic(const Hierarchy& hierarchy, const Loops* loops = nullptr) {
     return s;
 }
 
-// Round a vertex (u, v) comes back with the opposite sign exactly where the cone angle is an odd multiple of pi.
+// Around a vertex (u, v) comes back with the opposite sign exactly where the cone angle is an odd multiple of pi.
 void expect_parity(const LevelMesh& mesh, const Flat& flat) {
     std::vector<int> turn(mesh.vertex_count, 1);
     for (size_t e = 0; e < mesh.edge_count; ++e)
@@ -175,7 +175,7 @@ TEST(Parameterize, ModulusOfATorus) {
         const LevelMesh mesh = read_level(hierarchy, 0);
         const Flat flat = parameterize(s.foliation);
         expect_flat_surface(mesh, s.foliation, flat, 1);
-        // The period of u round the axis is 1, and the area the modulus.
+        // The period of u around the axis is 1, and the area the modulus.
         const double error = std::fabs(flat.numbers.area / modulus - 1);
         EXPECT_LT(error, 0.35 * before) << n; // second order: a quarter
         before = error;

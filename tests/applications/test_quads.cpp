@@ -55,7 +55,7 @@ std::vector<uint32_t> random_marks(size_t vertices, size_t count, uint64_t seed)
 // Edges of each vertex; fails the test unless the mesh is closed, oriented,
 // manifold, without two edges that have the same ends, and of the genus.
 std::vector<int> expect_sound(const hmf_quad_mesh& mesh, size_t genus) {
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> next; // side -> the one before it round its first vertex
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> next; // side -> the one before it around its first vertex
     std::vector<int> valence(mesh.vertex_count, 0);
     for (size_t q = 0; q < mesh.quad_count; ++q)
         for (size_t s = 0; s < 4; ++s) {

@@ -38,7 +38,7 @@ TEST(SharpEdges, TheNearestPointOfTheLine) {
         ++degree[mesh.origin[2 * e]];
         ++degree[mesh.target(2 * e)];
     }
-    // 4 (5 + 3 + 1) round the plate, and 12 round each of two holes.
+    // 4 (5 + 3 + 1) around the plate, and 12 around each of two holes.
     ASSERT_EQ(sharp.size(), 60u * fine);
     EXPECT_EQ(std::count(degree.begin(), degree.end(), 3u), 24);
     // Lines: joined where two sharp edges meet, to the least number until nothing changes.

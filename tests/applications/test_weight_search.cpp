@@ -156,7 +156,7 @@ TriMesh thimble(size_t around, size_t rings, double slope) {
     return mesh;
 }
 
-// A thimble is a disk, and a limb: with two poles at its closed end leaves go round it.  The lowest point of its
+// A thimble is a disk, and a limb: with two poles at its closed end leaves go around it.  The lowest point of its
 // boundary counts as a tip, too: at a slope of 1.5 the pair there leaves a part without leaves, and is left out.
 TEST(WeightSearch, Thimble) {
     for (const double slope : {1.2, 1.5, 10.0}) {

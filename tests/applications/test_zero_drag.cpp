@@ -20,7 +20,7 @@ using namespace test;
 
 namespace {
 
-// Triangles by the half-edges round them, and a value per edge.
+// Triangles by the half-edges around them, and a value per edge.
 struct Glued {
     std::vector<std::array<uint32_t, 3>> faces;
     std::vector<int64_t> value;
@@ -252,7 +252,7 @@ TEST(ZeroDrag, ThroughTrianglesWhoseZerosHaveLeft) {
     EXPECT_EQ(t.drag(2), 0u);
 }
 
-// Where all corners of four tripods lie at one vertex, the turn round it is even with a zero and odd without: no zero
+// Where all corners of four tripods lie at one vertex, the turn around it is even with a zero and odd without: no zero
 // may come.
 TEST(ZeroDrag, NotWhereTheTurnIsNotEven) {
     Tripods t(one_vertex());

@@ -19,7 +19,7 @@ namespace {
 constexpr size_t COLUMNS = 60;
 const double PI = std::acos(-1.0);
 
-// A torus whose tube is 1 thick but at two necks, .5 in column 0 and .75 in column 30: two closed geodesics round it.
+// A torus whose tube is 1 thick but at two necks, .5 in column 0 and .75 in column 30: two closed geodesics around it.
 TriMesh with_two_necks() {
     const size_t m = 24;
     TriMesh mesh = torus(COLUMNS, m, 3, 1);
@@ -39,7 +39,7 @@ public:
     explicit Strips(size_t level) : hierarchy_(with_two_necks(), 0.5, 300), level_(level) {}
 
     hmf::ClassLengths lengths() { return hmf::ClassLengths(*hierarchy_.get(), level_, call_); }
-    // Round the tube between two columns.
+    // Around the tube between two columns.
     uint32_t add(hmf::ClassLengths& lengths, size_t column) {
         const hmf_hierarchy& h = *hierarchy_.get();
         const double angle = 2 * PI * (static_cast<double>(column) + 0.5) / COLUMNS;

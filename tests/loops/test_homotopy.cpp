@@ -71,7 +71,7 @@ void deform(Path& walk, const std::vector<uint32_t>& twin, Random& random) {
     default:
         for (uint32_t s = 0; s < n; ++s) {
             const uint32_t t = twin[s], corner[4] = {s, (s + 1) % n, t, (t + 1) % n};
-            // Round the quad: s (b) s+1 (a) t (b) t+1 (a).
+            // Around the quad: s (b) s+1 (a) t (b) t+1 (a).
             for (uint32_t k = at_b ? 0 : 1; k < 4; k += 2) {
                 const uint32_t x = corner[k], y = corner[(k + 1) % 4];
                 if (walk[i] == x && walk[j] == y) {
@@ -126,7 +126,7 @@ std::vector<uint32_t> permutation(uint32_t n, Random& random) {
     return out;
 }
 
-// Round a vertex, from one of its faces.
+// Around a vertex, from one of its faces.
 Path round(const hmf::Mesh& m, uint32_t half_edge) {
     Path path;
     for (const uint32_t h : m.clockwise_from(half_edge)) path.push_back(h);
@@ -204,7 +204,7 @@ struct MarkedSurface {
     hmf::CurveWords words;
 };
 
-// Somewhere on the way there and back again, or once round a vertex that is not marked.
+// Somewhere on the way there and back again, or once around a vertex that is not marked.
 void deform(const hmf::Mesh& m, Path& loop, Random& random) {
     const size_t at = random.below(loop.size());
     uint32_t h = loop[at]; // of the face before it
@@ -296,7 +296,7 @@ TEST(Homotopy, ClassesDependOnNoTree) {
             return path;
         };
         std::vector<Path> in_a, in_b;
-        // Round one marked vertex, round a vertex, and short loops, of which many are in one class.
+        // Around one marked vertex, around a vertex, and short loops, of which many are in one class.
         for (uint32_t v = 0; v < 2 * marks; ++v) {
             const Path path = round(a.m, a.m.out[v]);
             in_a.push_back(a.canonical(path));

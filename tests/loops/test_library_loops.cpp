@@ -175,14 +175,14 @@ TriMesh flipped(TriMesh mesh) { // inside out
 
 TEST(HandleLoops, Torus) {
     expect_handles(torus(40, 16, 3, 1));
-    // Longer round the tube than round the hole.
+    // Longer around the tube than around the hole.
     expect_handles(torus(16, 40, 3, 2.7));
 }
 
 TEST(HandleLoops, InsideOut) { expect_handles(flipped(torus(40, 16, 3, 1))); }
 
 TEST(HandleLoops, ShortestAreTheWrongOnes) {
-    // A tall tube wall: the way through the hole is shorter than round the wall.
+    // A tall tube wall: the way through the hole is shorter than around the wall.
     const TriMesh mesh = torus(16, 40, 3, 2.7);
     const Hierarchy hierarchy(mesh);
     const LevelMesh fine = read_level(hierarchy, 0);
@@ -440,7 +440,7 @@ TEST(PantsLoops, Plates) {
 }
 
 // A ring with a small handle on it where it is narrowest, one foot on either side of that place: the
-// shortest loop round the ring passes under the handle.
+// shortest loop around the ring passes under the handle.
 TriMesh ring_with_handle() {
     return implicit_surface(64, 0.1, [](double x, double y, double z) {
         const double u = x - 0.5, v = y - 0.5, w = z - 0.5, around = std::sqrt(u * u + v * v);
@@ -498,7 +498,7 @@ TEST(PantsLoops, NeckOfAHandleThatACutLoopPassesUnder) {
     EXPECT_EQ(necks, 1u);
 }
 
-// A finger of a triangle loop: over a side of one of its triangles, round the
+// A finger of a triangle loop: over a side of one of its triangles, around the
 // vertex beyond, and back.  Empty if the triangles there belong to the loops.
 std::vector<uint32_t> with_finger(const LevelMesh& mesh, const Loops& loops, size_t c, size_t place) {
     std::vector<bool> used(mesh.triangle_count, false);
@@ -569,7 +569,7 @@ TEST(DrawnLoops, FingersDoNotMatter) {
 }
 
 TEST(DrawnLoops, CrossingIsNamed) {
-    // Vertex i * 16 + j: round the tube at i = 2, and round the hole at j = 5.
+    // Vertex i * 16 + j: around the tube at i = 2, and around the hole at j = 5.
     const Hierarchy hierarchy(torus(40, 16, 3, 1));
     Loops loops;
     loops.kind = HMF_LOOP_VERTICES;
@@ -589,7 +589,7 @@ TEST(DrawnLoops, CrossingIsNamed) {
 }
 
 // Loops of the caller's triangles when these are far from Delaunay: a loop winds so
-// much that several fingers, also of several loops, go round the same vertices.
+// much that several fingers, also of several loops, go around the same vertices.
 void expect_pants_on_the_input(const TriMesh& mesh, double ratio) {
     const Hierarchy hierarchy(mesh, ratio);
     ASSERT_TRUE(hierarchy);

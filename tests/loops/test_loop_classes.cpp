@@ -341,7 +341,7 @@ TEST(LoopClasses, SettleUnderRefinement) {
 }
 
 // The same on real ones whose cut loops could as well pass between the feet of a handle, which have several closed
-// geodesics in a class, a handle so narrow that strips round it are too long, or a tie early in the choice of pants.
+// geodesics in a class, a handle so narrow that strips around it are too long, or a tie early in the choice of pants.
 TEST(LoopClasses, RealMeshesSettleUnderRefinement) {
     const char* const folder = std::getenv("HMF_MESHES");
     if (!folder) GTEST_SKIP() << "skipped: no HMF_MESHES";

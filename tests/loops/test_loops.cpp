@@ -159,7 +159,7 @@ TEST(CutSystem, ShortOnATorus) {
     Context c;
     Loops loops;
     ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
-    EXPECT_EQ(loops.crossings.size(), 16u); // once round the tube
+    EXPECT_EQ(loops.crossings.size(), 16u); // once around the tube
 }
 
 TEST(CutSystem, PlatesOfGenus1To20) {
@@ -424,7 +424,7 @@ TEST_F(OnTorus, CrossingNamesTheLater) {
 }
 
 TEST_F(OnTorus, Trivial) {
-    // Round a vertex, and there and back.
+    // Around a vertex, and there and back.
     std::vector<uint32_t> ring;
     uint32_t h = mesh.out[at(4, 4)];
     do {
@@ -451,7 +451,7 @@ TEST_F(OnTorus, Parallel) {
 }
 
 TEST(CheckLoops, ParallelOnAPlate) {
-    // The loops round two neighboring bars differ, two on one bar do not.
+    // The loops around two neighboring bars differ, two on one bar do not.
     test::MadeMesh made(test::plate(2, 1, 3));
     const Mesh mesh = made.mesh();
     Context c;
@@ -519,7 +519,7 @@ TEST(CheckLoops, StraightLinesOnATorus) {
 }
 
 TEST(CheckLoops, SeparatingLoop) {
-    // Round the middle of a plate with two holes: essential, though it bounds.
+    // Around the middle of a plate with two holes: essential, though it bounds.
     const test::Triangles plate = test::plate(2, 1, 2);
     test::MadeMesh made(plate);
     const Mesh mesh = made.mesh();
@@ -699,7 +699,7 @@ TEST(CutSystem, EachIsTheShortest) {
 
 } // namespace
 
-// A loop round the tube that wanders off along the torus and back: shortened it is no longer than a straight one, which
+// A loop around the tube that wanders along the torus and back: shortened it is no longer than a straight one, which
 // lies outside of the triangles that it passed.
 TEST(ShortenLoops, AWanderingLoopBecomesARing) {
     constexpr uint32_t n = 40, m = 12, far = 9;

@@ -68,7 +68,7 @@ struct MadeMesh {
     }
 };
 
-// A grid of n (round the hole) by m (round the tube) vertices; vertex (x, y) is x * m + y.
+// A grid of n (around the hole) by m (around the tube) vertices; vertex (x, y) is x * m + y.
 inline Triangles torus_triangles(uint32_t n, uint32_t m, double radius = 3, double tube = 1) {
     Triangles t;
     for (uint32_t x = 0; x < n; ++x)

@@ -55,7 +55,7 @@ struct TorusOptions {
     uint64_t seed = 1;
 };
 
-// Round the z axis; vertex i * m + j lies at angle 2 pi i / n around the axis
+// Around the z axis; vertex i * m + j lies at angle 2 pi i / n around the axis
 // and 2 pi j / m around the tube (without jitter).
 TriMesh torus(size_t n, size_t m, double R, double r, const TorusOptions& options = {});
 

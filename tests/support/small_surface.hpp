@@ -119,7 +119,7 @@ private:
     }
 };
 
-// A torus without a disk, which is the polygon: edge e round one way, x and y together round the other.
+// A torus without a disk, which is the polygon: edge e around one way, x and y together around the other.
 // e, x and y are 0, so that vertices 1 and 2 are at a zero.
 struct HexagonTorus : Polygon {
     static constexpr uint32_t e = others(6), x = e + 1, y = e + 2;

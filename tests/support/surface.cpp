@@ -402,7 +402,7 @@ std::vector<double> residuals(const LevelMesh& mesh, const std::vector<double>& 
     const double mean = std::accumulate(total.begin(), total.end(), 0.0) / static_cast<double>(mesh.vertex_count);
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         if (has_zero[v]) continue;
-        // Round the vertex by corners: side c leaves v, the side before it enters v.
+        // Around the vertex by corners: side c leaves v, the side before it enters v.
         std::vector<double> pull(1, 0);
         uint32_t c = start[v];
         do {
@@ -527,7 +527,7 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
             if (corner2(mesh, values, c) <= 0 || values[mesh.triangle_edges[c]] == 0) return false;
         return true;
     };
-    // Begin round every singularity.
+    // Begin around every singularity.
     std::vector<uint32_t> queue;
     const auto begin_at = [&](uint32_t v, double h) {
         if (!regular(v) || orientation[v] != 0) return;

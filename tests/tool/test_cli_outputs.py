@@ -373,7 +373,7 @@ class Outputs(Case):
             dark.append(share(pixels_of(self.read("i.png")), lambda r, g, b: max(r, g, b) < 130))
         self.assertGreater(dark[1], dark[0] + 0.02)
         self.refused(2, "quads", self.mesh, self.path("q.obj"), "--legend", says=["--image"])
-        # Round the z axis: from the top (z) there is a hole in the middle, from the front it is flat.
+        # Around the z axis: from the top (z) there is a hole in the middle, from the front it is flat.
         top, side = picture("--camera", "0,0,1"), picture("--camera", "0,-1,0,0,0,1")
         self.assertFalse(is_object(*top[60][80]))
         self.assertTrue(is_object(*side[60][80]))

@@ -108,7 +108,7 @@ class Solve(Case):
         self.assertAlmostEqual(json.loads(self.read("r.json").decode())["energy"] / energies[0], 4, 2)
 
     def test_library_loops(self):
-        # On a torus of revolution: round the tube, and round the hole.
+        # On a torus of revolution: around the tube, and around the hole.
         energy = {}
         for kind in ("cut", "handle", "tunnel", "pants"):
             self.run_tool("solve", self.mesh, "--loops", kind, "--report", self.path("r.json"))
@@ -139,7 +139,7 @@ class Solve(Case):
             head, *lines = self.read("saved.txt").decode().splitlines()
             return [list(map(int, line[3:].split())) for line in lines], json.loads(self.read("r.json"))
 
-        # Round the tube: vertices 0 to 15.
+        # Around the tube: vertices 0 to 15.
         (loop,), found = drawn("0 5 10")
         self.assertEqual(loop, list(range(16)))
         self.assertEqual((found["class"], found["options"]["through"], found["options"]["loops"]), ("proven", "0 5 10", None))
@@ -147,7 +147,7 @@ class Solve(Case):
         self.assertEqual(json.loads(self.read("r.json"))["energy"], found["energy"])
         places = " ".join(",".join("%.3f" % (x + 0.004) for x in self.points[v]) for v in (0, 5, 10, 0))
         self.assertEqual(drawn(places)[0], [loop])
-        # Round the hole; each way is as short as any other, found by relaxing every edge.
+        # Around the hole; each way is as short as any other, found by relaxing every edge.
         picked = [16 * i for i in range(0, 24, 6)]
         (loop,), _ = drawn(" ".join(map(str, picked)))
         sides = {(a, b) for t in self.triangles for a, b in ((t[0], t[1]), (t[1], t[2]), (t[2], t[0]))}

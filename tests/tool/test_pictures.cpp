@@ -189,21 +189,21 @@ void expect_shortest(const cli::Foliation& f, const cli::Line& line) {
     EXPECT_GT(inside, count);
 }
 
-// Round a torus the shortest closed curves of the class are circles.
+// Around a torus the shortest closed curves of the class are circles.
 TEST(Pictures, LoopsAreDrawnShort) {
     Solved s(torus(30, 20, 2, 0.5), {1});
     const Loops on_input = library_loops(s.hierarchy, 0);
     const hmf_loop_set view = on_input.view();
     const std::vector<cli::Line> lines = cli::loop_lines(s.f, view);
     ASSERT_EQ(lines.size(), 1u);
-    // A polygon of 20 sides, round the tube.
+    // A polygon of 20 sides, around the tube.
     const double polygon = 20 * 2 * 0.5 * std::sin(3.14159265358979 / 20);
     EXPECT_GT(length_of(lines[0]), 0.98 * polygon);
     EXPECT_LT(length_of(lines[0]), 1.002 * polygon);
     expect_shortest(s.f, lines[0]);
 }
 
-// Vertices in a zig-zag round the tube: the kinks go, and the line stays where the loop is.
+// Vertices in a zig-zag around the tube: the kinks go, and the line stays where the loop is.
 TEST(Pictures, LoopsOfTheCallerHaveNoKinks) {
     Solved s(torus(60, 20, 2, 0.5), {1});
     const uint32_t across = 20;

@@ -1,6 +1,6 @@
 // Meshes made by formula, for the examples and the tests.
 
-/** Torus of 2 n m triangles round the z axis. */
+/** Torus of 2 n m triangles around the z axis. */
 export function torus(n, m, R = 3, r = 1) {
     const positions = new Float64Array(3 * n * m), triangles = new Uint32Array(6 * n * m);
     for (let i = 0; i < n; ++i) {

@@ -41,7 +41,7 @@ export interface Hmf {
     solveComponents(positions: Numbers, triangles: Numbers, options?: SolveComponentsOptions): ComponentSolutions;
     /**
      * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
-     * each limb, so that loops go round the limbs, at least four and at most 24.
+     * each limb, so that loops go around the limbs, at least four and at most 24.
      * None for genus 1 and more.  Of several components each gets its own.
      */
     suggestMarks(positions: Numbers, triangles: Numbers, options?: BuildOptions): Uint32Array;
@@ -245,7 +245,7 @@ export interface Level {
 
 /**
  * "cut": genus many loops that together cut the surface into one planar piece, on
- * a sphere round pairs of marked vertices;
+ * a sphere around pairs of marked vertices;
  * "handle", "tunnel": the same, but bounding inside, or outside, the surface,
  * which must not meet itself; "pants": 3 genus - 3 + marked vertices loops (genus 1
  * without those: one) that cut it into pairs of pants.

@@ -11,19 +11,19 @@ before(async () => { hmf = await load(); });
 test('a torus of revolution carries the foliation of its symmetry', () => {
     const n = 24, m = 16, { positions, triangles } = torus(n, m);
     const hierarchy = new hmf.Hierarchy(positions, triangles);
-    // A loop of vertices round the axis.  The mesh is the same at every angle, so the leaves are the circles round the axis.
+    // A loop of vertices around the axis.  The mesh is the same at every angle, so the leaves are circles around it.
     const loop = Array.from({ length: n }, (_, i) => i * m);
     const foliation = hierarchy.solve({ loops: { elementKind: 'vertices', loops: [loop], weights: [2] } });
     assert.equal(foliation.report.converged, true);
     const { edges } = edgesOf(triangles);
     let tube = 0;
     edges.forEach(([a, b], e) => {
-        // Round the axis: both ends on one leaf.
+        // Around the axis: both ends on one leaf.
         if (a % m === b % m) assert.ok(foliation.values[e] < 1e-7, `edge ${a} ${b} has ${foliation.values[e]}`);
-        // Round the tube at the first angle: the lengths add up to the weight.
+        // Around the tube at the first angle: the lengths add up to the weight.
         if (Math.floor(a / m) === 0 && Math.floor(b / m) === 0) tube += foliation.values[e];
     });
-    assert.ok(Math.abs(tube - 2) < 1e-7, `once round the tube: ${tube}`);
+    assert.ok(Math.abs(tube - 2) < 1e-7, `once around the tube: ${tube}`);
     hierarchy.dispose();
 });
 

@@ -40,7 +40,7 @@ function described(hierarchy) {
 test('a torus: circles at the asked distance', () => {
     const n = 48, m = 24, R = 3, r = 1, { positions, triangles } = torus(n, m, R, r);
     const hierarchy = new hmf.Hierarchy(positions, triangles), mesh = described(hierarchy);
-    // The leaves are the circles round the axis; once round the tube is 2.
+    // The leaves are the circles around the axis; once around the tube is 2.
     const loop = Array.from({ length: n }, (_, i) => i * m);
     const foliation = hierarchy.solve({ loops: { elementKind: 'vertices', loops: [loop], weights: [2] } });
     const lines = foliation.trace({ spacing: 0.25 });

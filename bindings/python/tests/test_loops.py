@@ -13,7 +13,7 @@ from conftest import Mesh
 
 @pytest.fixture(scope="module")
 def ring(pretzel: Mesh) -> list[int]:
-    """Four vertices round the left arm of the pretzel: outside, on top, in the hole, below."""
+    """Four vertices around the left arm of the pretzel: outside, on top, in the hole, below."""
     positions = pretzel[0]
     middle = np.abs(positions[:, 1] - np.median(positions[:, 1])) < 0.1
     left = np.flatnonzero(middle & (positions[:, 0] < positions[:, 0].min() + 1.2))

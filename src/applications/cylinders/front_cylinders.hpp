@@ -10,7 +10,7 @@ namespace hmf {
 struct FrontLoops {
     uint64_t count;
     const uint8_t* is_arc;        // per loop; NULL: none is
-    const Array<int64_t>& factor; // per loop: 2 round a boundary, else 1
+    const Array<int64_t>& factor; // per loop: 2 around a boundary, else 1
     uint32_t triangles_in_front;
 };
 

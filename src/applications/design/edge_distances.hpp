@@ -1,4 +1,4 @@
-// Distances along the edges of a mesh from a vertex (Dijkstra), and disks round it.
+// Distances along the edges of a mesh from a vertex (Dijkstra), and disks around it.
 #pragma once
 
 #include "../../core/base/nearest_first.hpp"
@@ -48,7 +48,7 @@ public:
     // Of the last search: HUGE_VAL where it did not come.
     double distance(uint32_t v) const { return distance_[v]; }
 
-    // A disk round a vertex ends where it has so much of the area of the surface,
+    // A disk around a vertex ends where it has so much of the area of the surface,
     // or less than `shape` times the square of its radius: down a limb.
     struct DiskLimit {
         uint32_t vertices; // at least

@@ -7,9 +7,9 @@
 //       \_____/--\/       At least two tips: the highest, and what is farthest
 //                         from it.
 //
-// Leaves go round a limb if a loop does, and that must have two marked vertices
+// Leaves go around a limb if a loop does, and that must have two marked vertices
 // on its far side.  So each tip gets a pair: the ends of a diameter of a small
-// disk round it, which does not reach far down a thin limb.
+// disk around it, which does not reach far down a thin limb.
 //
 // All of this on a coarse level, made by collapses to end points: its vertices
 // are vertices of the caller.
@@ -72,7 +72,7 @@ public:
 
     const Array<MarkTip>& tips() const { return tips_; }
 
-    // The ends of a diameter of the disk round the tip, where there is one.
+    // The ends of a diameter of the disk around the tip, where there is one.
     Done add_pair(uint32_t tip, Array<uint32_t>& marks) {
         uint32_t ends[2];
         return distances_.diameter(tip, DISK, used_.data(), ends) && add(ends[0], marks) && add(ends[1], marks);

@@ -3,7 +3,7 @@
 // larger.  After some rounds of that the best weights are rounded.
 //
 // A cylinder is told by the low bits of its height: twice the number of its loop,
-// and 1; if the weight counts twice (round a boundary) these are twice as much.
+// and 1; if the weight counts twice (around a boundary) these are twice as much.
 #include "weight_search.hpp"
 
 #include <algorithm>

@@ -93,7 +93,7 @@ void Cutter::find_sheets(size_t first, size_t points, bool closed) {
         if (sheet_[to] == Sheet::unknown && sheet_[from] != Sheet::unknown)
             sheet_[to] = changes_sides(first + point) ? other(sheet_[from]) : sheet_[from];
     };
-    for (int round = 0; round < 2; ++round) { // twice: round the end of a closed line
+    for (int round = 0; round < 2; ++round) { // twice: around the end of a closed line
         for (size_t i = 1; i < segments; ++i) spread(i - 1, i, i);
         if (closed) spread(segments - 1, 0, 0);
     }

@@ -109,7 +109,7 @@ private:
     bool find_cylinder(uint32_t c) {
         Cylinder& cylinder = cylinders_.list[c];
         const Entry* const lower = find_mirror(graph_.boundaries[cylinder.lower].begin);
-        // Round both boundary curves of an annulus, a torus without zeros: its one closed leaf is no mirror image.
+        // Around both boundary curves of an annulus, a torus without zeros: its one closed leaf is no mirror image.
         if (!lower && graph_.zeros.empty()) {
             out_.cylinder_mirror[c] = c;
             out_.cylinder[c] = Part::front;

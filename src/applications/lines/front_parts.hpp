@@ -14,7 +14,7 @@ enum class Part : uint8_t {
     first_half,  // an arc across the boundary: the half at its beginning lies in front
     second_half,
     strip, // a cylinder that the boundary crosses twice: one half of its circumference lies in front
-    ring   // a cylinder round a boundary curve, which is its middle: the lower half lies in front
+    ring   // a cylinder around a boundary curve, which is its middle: the lower half lies in front
 };
 
 struct FrontParts {

@@ -214,7 +214,7 @@ hmf_status Lines::add_arcs(const CriticalGraph& graph) {
 }
 
 Crossing Lines::place_of_point(uint32_t h, const double* barycentric) const {
-    // Distance from each corner in half units, where the leaf turns round it;
+    // Distance from each corner in half units, where the leaf turns around it;
     // the corner into whose part the point falls deepest.
     double best = HUGE_VAL, best_at = 0;
     uint32_t corner = NONE;

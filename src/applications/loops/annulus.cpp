@@ -98,7 +98,7 @@ void Annulus::close_up(uint32_t a) {
             return;
         int turns = 0;
         uint32_t at = link_a;
-        for (;;) { // round the vertex, from a to b
+        for (;;) { // around the vertex, from a to b
             const Copy& copy = copies_[at / 4];
             const uint32_t s = at % 4 + 1 < copy.sides ? at % 4 + 1 : 0;
             if (at - at % 4 + s == link_b) break;
@@ -118,7 +118,7 @@ void Annulus::close_up(uint32_t a) {
 }
 
 // The fan from side a of the border to the next one, if it is more than a full
-// turn round a vertex: its last regions are the first ones again.
+// turn around a vertex: its last regions are the first ones again.
 Done Annulus::find_same(uint32_t a) {
     const uint32_t b = border_[a].after, link_a = border_[a].link, link_b = border_[b].link;
     const Place place = copies_[link_a / 4].side[link_a % 4];

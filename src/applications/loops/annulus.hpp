@@ -10,9 +10,9 @@
 //    ----\-/----+                  -----\|/
 //         v                              v
 //
-// so that turns round a vertex do not count, and turns round the strip do.  They
+// so that turns around a vertex do not count, and turns around the strip do.  They
 // stay apart at a marked vertex, since loops must not be pulled over it.
-// A loop with a finger round some vertices comes back into the region where
+// A loop with a finger around some vertices comes back into the region where
 // the finger began: two copies of the strip are the same region of the cover,
 // and a link without length joins them.
 //

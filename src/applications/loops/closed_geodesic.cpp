@@ -402,7 +402,7 @@ Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
     return length_in_strip(loop.data(), loop.size(), length);
 }
 
-// next_: the strip round the vertices on one side, if there are two and none is marked.
+// next_: the strip around the vertices on one side, if there are two and none is marked.
 Done ClosedGeodesic::push_aside(const Array<uint32_t>& loop, bool left, bool& moved) {
     moved = false;
     const size_t n = loop.size();

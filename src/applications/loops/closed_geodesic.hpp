@@ -5,7 +5,7 @@
 //      ---\/--\/--\/---            curve in it found by pulling a string (Lee, Preparata,
 //         /\  /\  /\               1984; the funnel).  It bends at vertices of the border.
 //        /  \/  \/  \           2  Where the angle on the outer side of such a vertex is less
-//                                  than a half turn, the strip goes round it on that side,
+//                                  than a half turn, the strip goes around it on that side,
 //                                  and the curve gets shorter (as in Sharp, Crane: You can
 //                                  find geodesic paths in triangle meshes by just flipping
 //                                  edges, 2020).
@@ -18,7 +18,7 @@
 // also pushed aside, over the vertices on one side of it, once or several times,
 // and pulled straight from there:
 //
-//         /\  /\  /\  /          new strip: round the vertices v on its other side
+//         /\  /\  /\  /          new strip: around the vertices v on its other side
 //      --v---v---v---v--
 //         \/  \/  \/  \          old strip
 #pragma once

@@ -36,7 +36,7 @@ namespace {
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
-// Of many handles some are so narrow that strips round them are half as long again as they should be, or one twice as
+// Of many handles some are so narrow that strips around them are half as long again as they should be, or one twice as
 // long.  That one comes last, and its search reaches further, and leaves out less.
 constexpr uint32_t MANY_CUT_HANDLES = 10;
 constexpr double MANY_ROOTS = 1.5, CUT_FAR = 2.6, FAR_ROOTS = 2;
@@ -45,7 +45,7 @@ constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
-constexpr double POLISH = 6;           // starved searches round a loop end at so many times the work of the others
+constexpr double POLISH = 6;           // starved searches around a loop end at so many times the work of the others
 constexpr double HOPELESS = 32;        // so many times the work of the others, and no loop: it ends
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t CUT_MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
@@ -421,7 +421,7 @@ private:
         }
         // Loops that meet themselves may have hidden others.
         if (!found_ && condition_ && (!all_roots() || !search_roots(allowed, complete))) return call_.stopped();
-        // Again from roots round the loop itself, until none of them gains.  A search that is starved gives no bounds,
+        // Again from roots around the loop itself, until none of them gains.  A search that is starved gives no bounds,
         // and the next one is as long: then only as far as the work allows.
         size_t eighth = 1;
         for (int i = 0; i < 24 && eighth < 8 && found_ && !complete; ++i) {

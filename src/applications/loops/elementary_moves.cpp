@@ -1,7 +1,7 @@
 // In passes.  Each curve is taken out, and its component (pants_component.hpp) searched for others; once none of
 // these is shorter, each two curves that bound a pair of pants together:
 //
-//     four holes              curves round two of them (hole_joins.hpp), cycles with two on each side
+//     four holes              curves around two of them (hole_joins.hpp), cycles with two on each side
 //     one hole and a handle   cycles that do not separate (loop_search.hpp)
 //     two curves              one of these cycles, and others in the component cut along it; or curves round
 //                             different pairs of its holes
@@ -141,7 +141,7 @@ private:
         return options_.push(option);
     }
 
-    // Curves round two holes.
+    // Curves around two holes.
     Done find_joins(const Component& component) {
         const size_t begin = options_.size();
         if (!joins_.find(component, join_, memory_)) return false;
@@ -156,7 +156,7 @@ private:
         return true;
     }
 
-    // Cycles that are not round one hole: those that are short compared with the best one, a strip that is known, and
+    // Cycles that are not around one hole: those that are short compared with the best one, a strip that is known, and
     // those shorter than `wanted`.  One for each option.
     Done find_cycles(const Component& component, LoopSearch& search, double best, double wanted, Array<Cycle>& cycles) {
         const CutSurface& cut = component.surface;

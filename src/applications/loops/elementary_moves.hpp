@@ -1,12 +1,12 @@
 // Elementary moves of a pants decomposition (Hatcher, Thurston: A presentation for
 // the mapping class group of a closed orientable surface, 1980; Hatcher: Pants
 // decompositions of surfaces, 1999): one curve is replaced by another one in the
-// component that all other curves leave round it.
+// component that all other curves leave around it.
 //
 //      four-holed sphere             one-holed torus
 //
 //       A         B                   _________
-//        \   c   /                   /   ___   \    c round the handle,
+//        \   c   /                   /   ___   \    c around the handle,
 //         \  |  /                    |  / d \  |    d through it
 //       d  --|--  d                  \ c\___/  |
 //         /  |  \                     \__   __/

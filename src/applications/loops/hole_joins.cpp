@@ -21,7 +21,7 @@ uint32_t HoleJoins::next_in_region(uint32_t half_segment) const {
     return other;
 }
 
-// Clockwise, with the hole on the right, once round it.
+// Clockwise, with the hole on the right, once around it.
 double HoleJoins::measure_round(uint32_t corner) const {
     double sum = 0;
     for (uint32_t at = corner;;) {

@@ -1,4 +1,4 @@
-// Curves round two holes of a planar surface, each along a short way between them:
+// Curves around two holes of a planar surface, each along a short way between them:
 //
 //        A ---- way ---- B        along A, over to B, along B and back
 //
@@ -23,7 +23,7 @@ public:
         uint32_t corner[2]; // half-segments that begin at the holes, where the way begins and ends
         uint32_t middle;    // half-segment that the way crosses between the cells; NONE: the corners lie in one region
     };
-    // Shortest first.  In a piece with three holes they would go round the third one, and there is none.
+    // Shortest first.  In a piece with three holes they would go around the third one, and there is none.
     Done find(const Component& component, Array<Join>& found, Memory& memory);
     // The half-edges that the curve crosses, at the end of strip.
     Done walk(const Join& join, Array<uint32_t>& strip, Memory& memory) const;

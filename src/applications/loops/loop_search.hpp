@@ -8,7 +8,7 @@
 // signature (signatures.hpp), with the way from the root to it and back, is the
 // answer, and for each other signature the shortest of those that are at most
 // SLACK times as long: lengths of strips are not those of the curves in them.
-// With labels the search runs in the covering where they add up to 0 round each
+// With labels the search runs in the covering where they add up to 0 around each
 // loop: its nodes, states, are regions with a sum of labels.
 //
 // What a search finds bounds the loops through all regions that it came to: if

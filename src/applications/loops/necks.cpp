@@ -56,7 +56,7 @@ private:
         uint32_t id, loop;
     };
 
-    // walk_: round the handle of a loop, over the shortest way from its left to its right.
+    // walk_: around the handle of a loop, over the shortest way from its left to its right.
     Done find_way(uint32_t c) {
         const uint32_t* const loop = cut_.loop(c);
         const size_t n = cut_.length(c);

@@ -1,4 +1,4 @@
-// Necks of handles: for a loop round a handle, the loop round the handle as a
+// Necks of handles: for a loop around a handle, the loop around the handle as a
 // whole, which separates it from the rest of the surface.
 //
 //            ______                   It runs along A, over a shortest way from one side

@@ -1,5 +1,5 @@
 // Where a pants decomposition can change: take some of its curves out, and what
-// the others leave round those is a surface of its own, a component.
+// the others leave around those is a surface of its own, a component.
 //
 //      cut along all curves                 without c
 //
@@ -17,7 +17,7 @@
 
 namespace hmf {
 
-// A surface with holes: sides of the curves round it, and marked vertices.
+// A surface with holes: sides of the curves around it, and marked vertices.
 struct Component {
     CutSurface surface;
     Array<uint8_t> is_hole; // per point
@@ -39,7 +39,7 @@ public:
         return pants(k, 0) == pants(l, 0) || pants(k, 0) == pants(l, 1) || pants(k, 1) == pants(l, 0)
             || pants(k, 1) == pants(l, 1);
     }
-    // Round these loops, taken out.
+    // Around these loops, taken out.
     Done build(const uint32_t* loops, size_t count, Component& out, Memory& memory);
 
 private:

@@ -1,6 +1,6 @@
 // A pants decomposition: a cut system leaves a sphere with 2 genus holes, and
 // marked vertices are holes as well.  As long as it has more than three, two of
-// them that are close are taken off by a loop round both:
+// them that are close are taken off by a loop around both:
 //
 //          ______________           The new loop runs along A, over to B,
 //         /  __      __  \          along B and back, with A, the way and B
@@ -20,7 +20,7 @@
 //
 // Each loop is the shortest that those before it leave, so an early tie would
 // decide all the others.  Elementary moves shorten them at the end
-// (elementary_moves.hpp); loops round pairs of marks alone know none.
+// (elementary_moves.hpp); loops around pairs of marks alone know none.
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.  To run along a marked vertex is to
@@ -29,7 +29,7 @@
 // The cut system does not cross short necks of handles (necks.hpp), which would
 // be in no pants decomposition then.  Those that it leaves free are candidates.
 //
-// Joining nothing but marked vertices gives loops round pairs of them; cycles that go round
+// Joining nothing but marked vertices gives loops around pairs of them; cycles that go round
 // other holes are no candidates then.
 #include "../../core/base/disjoint_sets.hpp"
 #include "../../core/base/heap_sort.hpp"
@@ -54,7 +54,7 @@ constexpr double PANTS_FURTHER = 2.5; // than the least estimate: true lengths m
 constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APART = 0.1; // see cut_system.cpp
 // On a sphere a class has many closed geodesics, some of which hang on marked vertices: more searches.
 constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
-constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops round pairs of them
+constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
 constexpr size_t PANTS_MOST_CANDIDATES = 64;
 constexpr size_t MOST_WITH_NECKS = 16;     // genus
 constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
@@ -198,7 +198,7 @@ private:
         return cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
     }
 
-    // The regions round a marked vertex.
+    // The regions around a marked vertex.
     Done seed_mark(uint32_t v) {
         bool counted = false;
         for (const uint32_t h : mesh_.around(v)) {
@@ -370,7 +370,7 @@ private:
         return true;
     }
 
-    // Of each marked vertex, the sum of the signatures round it: a cycle adds up to those on one side of it.
+    // Of each marked vertex, the sum of the signatures around it: a cycle adds up to those on one side of it.
     Done find_mark_words() {
         mark_word_.clear();
         for (uint32_t v = 0; v < mesh_.marked_count; ++v) {
@@ -387,7 +387,7 @@ private:
         return false;
     }
 
-    // Of the candidates.  Round marked vertices a strip is longer than the estimate.
+    // Of the candidates.  Around marked vertices a strip is longer than the estimate.
     Done shortest_strip(double& shortest) {
         const size_t begin = strips_.size();
         for (size_t i = 0; i < candidates_.size() && i < PANTS_MOST_CANDIDATES && candidates_[i].length < shortest;

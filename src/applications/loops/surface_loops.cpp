@@ -1,5 +1,5 @@
 // Loops of a surface with boundary, found on a closed one: each boundary gets a
-// cap of triangles round a marked vertex, and no loop goes over that.
+// cap of triangles around a marked vertex, and no loop goes over that.
 //
 //        \  S  /
 //     ----a---b----     boundary      a loop that cuts through the cap goes
@@ -7,7 +7,7 @@
 //      \    *    /      cap           of the marked vertex where it was: round
 //                                     a and b, in the fans of S there
 //
-// To these come one loop round each boundary and arcs round marked vertices of the
+// To these come one loop around each boundary and arcs around marked vertices of the
 // boundary, all along the boundary as well:
 //
 //     1---2---3---4     arcs round 1 2, round 1 2 3, ..: between two of the
@@ -88,7 +88,7 @@ Done SurfaceLoopsFinder::push(uint32_t triangle) {
     return loop_.push(triangle);
 }
 
-// The triangles round the vertex between two sides, from one side to the other;
+// The triangles around the vertex between two sides, from one side to the other;
 // backward: from the next side to this one.
 Done SurfaceLoopsFinder::walk(uint32_t side, bool forward) {
     const uint32_t h = side_[side], end = side_[next_in(first_side_, curve_[side], side)];
@@ -204,7 +204,7 @@ uint8_t SurfaceLoopsFinder::number_in_triangle(uint32_t side) const {
     return s;
 }
 
-// Round the marked vertices first .. last of the boundary; marks: the sides that
+// Around the marked vertices first .. last of the boundary; marks: the sides that
 // begin at them.  From the first side of one stretch to the first one of another.
 hmf_status SurfaceLoopsFinder::add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last) {
     const uint32_t from = marks[(first + marks.size() - 1) % marks.size()], to = marks[last];
@@ -257,14 +257,14 @@ hmf_status SurfaceLoopsFinder::run(int32_t kind, FoundLoops& out) {
     size_t inside = 0;
     for (uint32_t v = 0; v < h_.surface_vertices; ++v)
         inside += mesh_.is_marked(h_.vertex_internal[v]) && !h_.mirror.is_boundary(v);
-    // Without handles a cut system is round pairs of marked vertices.
+    // Without handles a cut system is around pairs of marked vertices.
     const bool has_pairs = genus == 0 && inside >= 2 && boundaries + inside >= 4;
     const bool has_closed =
         kind == HMF_LOOPS_CUT ? genus > 0 || has_pairs : 3 * size_t{genus} + boundaries + inside > 3;
     if (has_closed && add_closed(kind)) return call_.status();
     const bool is_disk = h_.genus == 0, is_annulus = genus == 0 && boundaries == 2 && inside == 0;
     if (!is_disk || inside >= 2)
-        for (uint32_t b = 0; b < (is_annulus ? 1 : boundaries); ++b) // the one of an annulus goes round both
+        for (uint32_t b = 0; b < (is_annulus ? 1 : boundaries); ++b) // the one of an annulus goes around both
             if (!add_round(b, !has_marks(b) || (is_annulus && !has_marks(1)))) return call_.out_of_memory();
     if (kind == HMF_LOOPS_PANTS || (is_disk && inside < 2))
         for (uint32_t b = 0; b < boundaries; ++b)

@@ -121,7 +121,7 @@ private:
     }
 
     // No odd zero, but closed paths that come back with the opposite sign: half
-    // of what is missing at the root goes round one of them.
+    // of what is missing at the root goes around one of them.
     Done turn_round(uint32_t size, Memory& memory) {
         Array<int8_t> gauge; // of each vertex against the root, along the tree
         if (!gauge.allocate(memory, mesh_.vertex_count)) return false;

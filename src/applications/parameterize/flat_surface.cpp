@@ -98,7 +98,7 @@ Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call) {
 namespace {
 
 // Vertices that lie at one place of the flat surface, joined by edges of length 0.  What they have together is
-// known, who has what is not: it is given out so that each agrees with the turn round it.  Regular ones get 2,
+// known, who has what is not: it is given out so that each agrees with the turn around it.  Regular ones get 2,
 // odd ones 3, marked ones 1; the rest, which is even, goes to the one that has most.
 Done share_cones(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call) {
     const auto is_point = [&](uint32_t h) {

@@ -7,7 +7,7 @@
 //    paths back to the cones, is a seam.
 //
 // So few edges are left that step 2 has little to choose: a face with one free
-// side takes that, and so on.  What remains are chains of faces round the
+// side takes that, and so on.  What remains are chains of faces around the
 // handles and the cones, and to the root; only there edges are sorted.  The others
 // hang on these in the order in which they were taken:
 //
@@ -243,7 +243,7 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     trunk.start(memory);
     if (!at.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0) || !call.tick(0))
         return false;
-    // From the value at h round its face.
+    // From the value at h around its face.
     const auto lay = [&](uint32_t h) {
         const int8_t s = chart[mesh.face[h]];
         const uint32_t n = mesh.next[h], p = mesh.next[n];

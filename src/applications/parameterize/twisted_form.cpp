@@ -235,7 +235,7 @@ private:
 
     // How far the zero of a tripod is from the regular vertex at its corner, as far as
     // the fluxes tell: in u, and in v from the center of the tripod to the mean of
-    // the centers round the vertex.
+    // the centers around the vertex.
     double distance_to_zero(uint32_t corner) const {
         const double a = 0.5 * static_cast<double>(f_.corner2(corner));
         double V = 0, sum = 0;

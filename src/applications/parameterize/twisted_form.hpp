@@ -7,7 +7,7 @@
 //
 //     at(2e+1) = - turn[e] * at(2e)
 //
-// and it is closed: in every face the three sides add up to 0.  Going round a
+// and it is closed: in every face the three sides add up to 0.  Going around a
 // vertex the chart comes back, or with the opposite sign where an odd number
 // of zeros sits.  So F = |du| has its zeros at vertices here, and every face
 // is the affine image of a triangle in the (u, v) plane.

@@ -37,7 +37,7 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even
                 continue;
             }
             move_odd_turn(waiting[i], way_[0]);
-            for (uint32_t& other : waiting) // the turn round the vertex has to be even before
+            for (uint32_t& other : waiting) // the turn around the vertex has to be even before
                 for (uint32_t side = 0; &other != &waiting[i] && side < 2 && mesh_.target(other) == vertex_; ++side)
                     move_odd_turn(other, mesh_.next[other]);
             // A tripod with all of its corners there has its odd turn nowhere else.

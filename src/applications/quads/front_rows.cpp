@@ -1,4 +1,4 @@
-// Cylinders of an exactly symmetric double that lie in front in part: rows round a boundary curve,
+// Cylinders of an exactly symmetric double that lie in front in part: rows around a boundary curve,
 // and strips from boundary to boundary.
 #include "cylinder_rows.hpp"
 
@@ -13,7 +13,7 @@ hmf_status CylinderRows::torn(uint32_t cylinder) {
                       "The half of a cylinder in front has gaps. Please report it.");
 }
 
-// Rows round a cylinder above the lower one, each aligned to the one before.  height: of row k.  The last one
+// Rows around a cylinder above the lower one, each aligned to the one before.  height: of row k.  The last one
 // lies on the boundary.
 template <class Height>
 hmf_status CylinderRows::stack_rows(uint32_t cylinder, int64_t rows, double whole, const Height& height) {

@@ -132,7 +132,7 @@ Done GraphPoints::push_crossing(uint64_t i) {
 // The boundary in place of a leaf beside it.
 Done GraphPoints::push_boundary_arc(const ArcSide& arc, uint64_t last) {
     const uint32_t from = in_.graph.zeros[zero_of(arc.from)].element, to = in_.graph.zeros[zero_of(arc.to)].element;
-    bool left = from != to; // else the arc goes round the whole curve
+    bool left = from != to; // else the arc goes around the whole curve
     if (!ruler_.push_on_boundary(in_, v_[arc.first], from, false)) return false;
     for (uint64_t i = arc.first + 1; i < last; ++i) {
         const uint32_t w = in_.f.mesh.target(in_.graph.crossings[i].half_edge);

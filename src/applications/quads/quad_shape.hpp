@@ -33,7 +33,7 @@ double worst_corner(const QuadMesh& quads, size_t q);
 double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q,
                                  double* as_it_lies = nullptr);
 
-// The quads round each vertex.
+// The quads around each vertex.
 class QuadStars {
 public:
     Done build(const QuadMesh& quads, Memory& memory);
@@ -43,7 +43,7 @@ public:
     // Whether only one quad has the side from a to b.
     bool is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const;
 
-    // The least of the quads round v, from outside.
+    // The least of the quads around v, from outside.
     double worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const;
 
 private:

@@ -20,7 +20,7 @@
 //     Z---Z      a circle of arcs without columns, or less than three columns on
 //      \ /       an arc (or circle) from a vertex to itself;
 //                two arcs of one column with the same ends;
-//                less than three columns round a cylinder;
+//                less than three columns around a cylinder;
 //                less than three rows in one whose boundaries share a vertex.
 #include "quad_sizes.hpp"
 

@@ -1,7 +1,7 @@
 // Quads with all vertices on a surface cut its tips and corners off:
 //
 //          x                 x         x: the vertex of the surface farthest from the
-//        /   \             / | \          quads round it
+//        /   \             / | \          quads around it
 //      o-------o    ->    o  |  o      the corner of its nearest quad goes there whose
 //     /         \        /   |   \        quads stay best
 //
@@ -21,7 +21,7 @@ namespace hmf {
 namespace {
 
 constexpr double FAR = 0.5;           // in mean sides of the quads: what is cut off less stays so
-constexpr double LEAST_CORNER = 0.45; // sine, of the quads round a vertex that moves
+constexpr double LEAST_CORNER = 0.45; // sine, of the quads around a vertex that moves
 constexpr double LONGEST = 2;         // side of these, in the longest before
 
 struct FarVertex {
@@ -126,7 +126,7 @@ private:
         return worst;
     }
 
-    // Of the quads round a vertex.
+    // Of the quads around a vertex.
     double longest_side(uint32_t v) const {
         double longest = 0;
         for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)

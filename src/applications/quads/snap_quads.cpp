@@ -22,7 +22,7 @@ namespace {
 
 constexpr double ALONG = 0.85;            // cosine of 32 degrees
 constexpr double SNAP_REACH = 0.5;        // of the mean side at the vertex
-constexpr double SNAP_LEAST_CORNER = 0.3; // sine, of the quads round a vertex that is snapped
+constexpr double SNAP_LEAST_CORNER = 0.3; // sine, of the quads around a vertex that is snapped
 constexpr size_t SAMPLES_PER_SIDE = 8, MOST_CELLS = size_t{1} << 22, MOST_SAMPLES = size_t{1} << 24;
 
 struct Sample {

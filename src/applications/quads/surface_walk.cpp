@@ -70,7 +70,7 @@ uint32_t walk_to_nearest(const Mesh& mesh, const double* position, uint32_t side
         const uint32_t from = side;
         uint32_t h = side;
         for (int k = on > 3 ? on - 4 : on - 1; k > 0; --k) h = mesh.next[h];
-        // Across a side, or all round a corner.
+        // Across a side, or all around a corner.
         const uint32_t first = on > 3 ? h : twin(h);
         const bool corner = on > 3;
         uint32_t g = first;

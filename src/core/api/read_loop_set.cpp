@@ -102,7 +102,7 @@ hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, 
     if (largest / smallest > 1048576.0)
         return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, 0,
                          "The weights span a factor of %g. Keep them within 2^20.", largest / smallest);
-    // A loop round a boundary has twice its weight.
+    // A loop around a boundary has twice its weight.
     out.unit = unit_of_weights(is_double ? 2 * largest : largest);
     if (!out.weights.allocate(call.memory, count)) return call.out_of_memory();
     for (size_t c = 0; c < count; ++c) {

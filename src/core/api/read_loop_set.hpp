@@ -12,7 +12,7 @@ struct WeightedLoops {
     Array<int64_t> weights; // per loop, in units
     double unit = 1;
     Array<uint32_t> of;    // of a double: the caller's loop of each; else empty
-    Array<int64_t> factor; // likewise: 2 for a loop round a boundary, else 1
+    Array<int64_t> factor; // likewise: 2 for a loop around a boundary, else 1
 
     uint32_t callers(uint32_t loop) const { return loop < of.size() ? of[loop] : loop; }
 };

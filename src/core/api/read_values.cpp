@@ -90,7 +90,7 @@ hmf_status to_integers(State& state, const double* values, size_t count, double&
                      "library returned them.");
 }
 
-// Triangle inequalities, and an even sum round each triangle.
+// Triangle inequalities, and an even sum around each triangle.
 hmf_status check_triangles(const State& state, size_t count, Call& call) {
     const Foliation& f = state.foliation;
     for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {

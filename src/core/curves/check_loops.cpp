@@ -149,7 +149,7 @@ private:
             }
     }
 
-    // region(a, b, c) for the parts of these triangles, with a segment on each of their sides: round the
+    // region(a, b, c) for the parts of these triangles, with a segment on each of their sides: around the
     // corners, where c is a, and in the middle.
     template <class Region>
     void for_regions(Region region) const {

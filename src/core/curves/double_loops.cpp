@@ -271,7 +271,7 @@ hmf_status Doubler::run(DoubledLoops& out) {
     Array<uint8_t> is_round;
     if (!given_.is_round && find_round_boundary(pushed, is_round)) return call_.status();
     const uint8_t* const round = given_.is_round ? given_.is_round : is_round.data();
-    // Without the images of loops round a boundary.
+    // Without the images of loops around a boundary.
     Loops& loops = out.loops;
     out.of.start(call_.memory);
     out.factor.start(call_.memory);

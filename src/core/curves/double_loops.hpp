@@ -1,7 +1,7 @@
 // Loops and arcs of a surface with boundary, as loops of its double:
 //
 //     closed loop c         ->  c and its mirror image, or, if these two bound an
-//                               annulus (c goes round one boundary), c alone with
+//                               annulus (c goes around one boundary), c alone with
 //                               twice the weight: leaves run along that boundary
 //     arc a, boundary to    ->  a and back along its mirror image: leaves meet
 //     boundary                  the boundary at right angles

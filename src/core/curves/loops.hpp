@@ -74,7 +74,7 @@ struct GivenLoops {
 };
 
 // Simple, disjoint, essential, pairwise not freely homotopic (as on the surface
-// without its marked vertices, and none goes round one of them only); each defect
+// without its marked vertices, and none goes around one of them only); each defect
 // with its status and the number of the loop, a crossing with an element where
 // the loops meet, if they are given.
 [[nodiscard]] hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call,

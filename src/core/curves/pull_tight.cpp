@@ -13,11 +13,11 @@
 // ([W] Eq. 1): the numbers of crossings would be no distances in a tree.  The
 // finger is taken off; each time the crossings become fewer.
 //
-// Fingers round one cluster lie in each other.  All of them are taken off at
+// Fingers around one cluster lie in each other.  All of them are taken off at
 // once: an outer one without the inner one would cross it, and what crosses is
 // no longer what the numbers of crossings say.
 //
-// A disk without a closed corner would have a loop round it that is not
+// A disk without a closed corner would have a loop around it that is not
 // essential, so the fingers are found at closed corners: opposite to an edge
 // that is crossed more than once.
 #include "../foliation/foliation.hpp"

@@ -8,7 +8,7 @@
 //      a---c       becomes a-c, and a-b-a becomes a
 //
 // Then it is pushed off the vertices: along an edge to the left of half-edge
-// 2e, and round a vertex on the side where the fan from its first half-edge
+// 2e, and around a vertex on the side where the fan from its first half-edge
 // does not begin.  That side does not depend on the path:
 //
 //        \ b /                 the way from a to b crosses the edges between

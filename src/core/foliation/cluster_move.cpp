@@ -2,7 +2,7 @@
 //
 //      S S S           v moves by mu into direction S.  The cluster without v
 //      |/ \|           falls into parts.  A part that is a disk and has nothing
-//      P   |           but S round it would be left as a pole (v ahead of it is
+//      P   |           but S around it would be left as a pole (v ahead of it is
 //      |0  |           in S, too): it is pushed, it moves along by the same mu.
 //      v --+           Any other part stays where it is, and so does every part
 //                      with a marked vertex.
@@ -10,7 +10,7 @@
 // Both kinds of move are one: a set of vertices at one point of the tree moves
 // into one direction S.  Each half-edge of the set adds -mu to its edge if it
 // leaves in S, and mu otherwise; zero edges within the set stay zero.  An edge
-// between two vertices of the set (round a handle) changes by both half-edges.
+// between two vertices of the set (around a handle) changes by both half-edges.
 #include "whitehead.hpp"
 
 #include <algorithm>
@@ -125,7 +125,7 @@ int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& s
     for_half_edges(f, side, star, [&](uint32_t h, int own, int other) {
         if (own + other < 0) at_most(f.at(h) / -(own + other));
     });
-    // Corners inside S; closed ones only round a pole that a flip as printed has left.
+    // Corners inside S; closed ones only around a pole that a flip as printed has left.
     for (uint32_t t = 0; t < star.degree; ++t) {
         const uint32_t u = side_after(t, star.degree);
         const bool inside =

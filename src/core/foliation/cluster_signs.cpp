@@ -17,7 +17,7 @@ double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* si
         }
     }
     double agreement = 0;
-    // One turn round the boundary meets each side at most once per zero edge beside it.
+    // One turn around the boundary meets each side at most once per zero edge beside it.
     const auto sign_boundary = [&](uint32_t start, int8_t s) {
         uint32_t g = start;
         for (size_t step = 0; step < 4 * sides; ++step) {

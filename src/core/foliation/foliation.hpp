@@ -25,12 +25,12 @@
 //
 // A marked vertex p may carry a pole: a prong alone, with cone angle pi.  It is
 // a cone of order 2: in the universal cover of this orbifold the half turn about
-// p acts on the tree.  No loop goes round p alone, so that the half turn fixes
+// p acts on the tree.  No loop goes around p alone, so that the half turn fixes
 // one point of the tree and no direction at it.  Hence
 //   - the image of p never moves, and its pulls are balanced whatever they are;
 //   - with one closed corner p is regular; it cannot be without any;
 //   - a cluster with a marked vertex is no plain disk.  Directions that the way
-//     round it joins are different ones: the half turn exchanges them.
+//     around it joins are different ones: the half turn exchanges them.
 #pragma once
 
 #include "../base/memory.hpp"
@@ -91,7 +91,7 @@ inline int64_t largest_value(const Foliation& f, const Parallel& parallel) {
         .value;
 }
 
-// What a search round a cluster found.  The search may stop early, as soon as
+// What a search around a cluster found.  The search may stop early, as soon as
 // the closed corners reach a limit or the vertices exceed a budget.
 struct Cluster {
     int64_t euler = 0; // vertices - zero edges + zero triangles; valid if complete

@@ -8,8 +8,8 @@
 //      /   |   \                 with the pulls P = sum of weight * F
 //
 // Directions are runs of sides between closed corners.  If v belongs to a
-// cluster, two runs are one direction when the walk round the cluster's
-// boundary from one to the other meets no closed corner and goes round a disk
+// cluster, two runs are one direction when the walk around the cluster's
+// boundary from one to the other meets no closed corner and goes around a disk
 // without marked vertices.
 //
 // Legal is a move up to the first closed corner or the first neighbor in S:
@@ -107,7 +107,7 @@ Done Star::allocate(Memory& memory, uint32_t max_degree) {
 
 namespace {
 
-// Walks counter-clockwise round the boundary of the cluster of v, from the
+// Walks counter-clockwise around the boundary of the cluster of v, from the
 // half-edge `start` of v whose successor is a zero edge, until the walk comes
 // back to v.  Returns the half-edge of v where it arrives; NONE if it meets a
 // closed corner first or takes more than `budget` steps (then decided = false).
@@ -211,8 +211,8 @@ bool is_one_direction(Foliation& f, const Rings::Side* side, uint32_t degree, ui
         star.decided = false;
         return false;
     }
-    if (part.euler != 1) return false; // goes round a handle
-    bool elsewhere = false;            // the part hangs on v in a second place: round a handle as well
+    if (part.euler != 1) return false; // goes around a handle
+    bool elsewhere = false;            // the part hangs on v in a second place: around a handle as well
     for (uint32_t s = behind; s != first_zero; s = side_after(s, degree))
         elsewhere |= star.F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
     return !elsewhere;
@@ -414,7 +414,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             const uint32_t u = side_after(t, star.degree);
             if (star.F[u] != 0 && star.group[u] == star.best) limit = std::min(limit, star.corner2[t] / 2);
         }
-        // A closed corner inside of S, as round the pole of a flip as printed: its neighbors have to go first.
+        // A closed corner inside of S, as around the pole of a flip as printed: its neighbors have to go first.
         if (limit == 0) return moved;
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);

@@ -24,7 +24,7 @@ struct Rings {
     Monogons monogons;
     uint32_t max_degree = 0;
     Done build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel = Parallel());
-    // Asks for what a walk round v will read.  A pass over the vertices does so
+    // Asks for what a walk around v will read.  A pass over the vertices does so
     // for one that is `ahead`.
     static constexpr uint32_t ahead = 8;
     HMF_INLINE void prefetch_star(const int64_t* value, const double* weight, uint32_t v) const {
@@ -43,7 +43,7 @@ private:
 inline uint32_t side_after(uint32_t t, uint32_t degree) { return t + 1 < degree ? t + 1 : 0; }
 inline uint32_t side_before(uint32_t t, uint32_t degree) { return t > 0 ? t - 1 : degree - 1; }
 
-// Walks once round a vertex.  Counts its closed corners; NONE if an edge is
+// Walks once around a vertex.  Counts its closed corners; NONE if an edge is
 // zero.  visit(t, direction, here, ahead, opposite) sees side t, the values of
 // sides t and t+1 and of the edge between their ends; direction changes
 // between 0 and 1 at each closed corner.

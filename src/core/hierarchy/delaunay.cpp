@@ -92,7 +92,7 @@ hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, do
     for (uint32_t first = 0; first < mesh.edge_count; ++first) {
         if (first % 65536 == 0 && !call.tick(fraction)) return HMF_CANCELLED;
         if (work.link[first] != WANTED) continue;
-        // Edges round a flipped one are looked at again, at once.
+        // Edges around a flipped one are looked at again, at once.
         uint32_t e = first;
         for (;;) {
             if (++steps % 8192 == 0 && !call.tick(fraction)) return HMF_CANCELLED;

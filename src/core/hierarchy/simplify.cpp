@@ -209,7 +209,7 @@ bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
     const Mesh& mesh = work.mesh;
     const uint32_t i = mesh.origin[h], j = mesh.target(h), degree_i = work.degree[i], degree_j = work.degree[j];
     if (degree_i + degree_j > MAX_DEGREE + 4) return false;
-    // Clockwise: j, l .. k round i, and i, k .. l round j.  One loop for both,
+    // Clockwise: j, l .. k around i, and i, k .. l around j.  One loop for both,
     // since each end of a loop is mispredicted; the smaller star comes round again.
     uint32_t round_i[MAX_DEGREE + 4], round_j[MAX_DEGREE + 4];
     const uint32_t longer = std::max(degree_j, degree_i);

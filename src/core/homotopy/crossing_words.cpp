@@ -64,7 +64,7 @@ Done CrossingWords::start(const Mesh& mesh, uint32_t edge_capacity, Call& call) 
         if (!scratch_.push(letter) || !words_.set(2 * e, scratch_)) return false;
         letter += 2;
     }
-    // Round the tree, from a marked vertex.
+    // Around the tree, from a marked vertex.
     uint32_t h = mesh.out[0];
     while (!is(h, EdgeKind::in_tree)) h = mesh.rotate_cw(h);
     if (!gaps.add(gap)) return false;
@@ -164,7 +164,7 @@ Done CrossingWords::were_split(const Mesh& mesh, const Collapse* collapses, size
     return true;
 }
 
-// The product round the origin of a half-edge is 1.
+// The product around the origin of a half-edge is 1.
 Done CrossingWords::close_round(const Mesh& mesh, uint32_t half_edge) {
     scratch_.clear();
     for (uint32_t g = mesh.rotate_cw(half_edge); g != half_edge; g = mesh.rotate_cw(g))

@@ -4,7 +4,7 @@
 // polygon, crosses the half-edge from its left to its right, and goes back.  The polygon is the surface cut along
 // a tree through all vertices and 2 * genus edges more (tree_cotree.hpp).  Its letters:
 //
-//            *           gaps: a walk round the tree, with it on the right, comes to marked
+//            *           gaps: a walk around the tree, with it on the right, comes to marked
 //          0 | 1         vertices; each side of an edge has the number of times that it
 //      0     |    1      did before.  A curve that crosses an edge of the tree from gap a to
 //     *------+------*    gap b leaves the polygon through one and enters it through the other,
@@ -16,7 +16,7 @@
 // A marked vertex where the walk comes by twice counts as two beside each other, between which no curve goes.  In a
 // free group two closed words are conjugate if they are the same once all pairs x x^-1 are gone, up to a rotation.
 //
-// The product of the words round a vertex is 1 if it is not marked.  So all goes exactly with flips and splits.
+// The product of the words around a vertex is 1 if it is not marked.  So all goes exactly with flips and splits.
 // A new triangle belongs to the polygon as a neighbor does:
 //
 //          k                     k
@@ -24,10 +24,10 @@
 //       i--+--j      ..       i  |  j       to the sides of the right one, w x, and kl is empty; or both as the right
 //        \ | /                 \ | /        one, whichever gives fewer letters
 //          l                     l          split: ijk as the triangle beyond jk, lji as the one beyond lj, so that
-//                                           jk and lj are empty; ij is what a walk round j crosses besides
+//                                           jk and lj are empty; ij is what a walk around j crosses besides
 //
 // The edges ij of all splits of a level join the new vertices to the old ones in a forest.  So on the mesh after them
-// their words follow from the walks round the new vertices, leaves of the forest first.
+// their words follow from the walks around the new vertices, leaves of the forest first.
 #pragma once
 
 #include "half_edge_words.hpp"

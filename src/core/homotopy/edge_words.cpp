@@ -21,7 +21,7 @@ Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Call& call) {
     if (!find_trees(mesh, kind, call) || !corner.allocate_filled(memory, size_t{2} * mesh.edge_count, NONE)
         || !walks_.start(edge_capacity, memory))
         return false;
-    // Once round the polygon, which lies on the left: the corner at which each half-edge starts.
+    // Once around the polygon, which lies on the left: the corner at which each half-edge starts.
     uint32_t first = 0;
     while (first < 2 * mesh.edge_count && kind[edge_of(first)] != EdgeKind::side) ++first;
     if (first == 2 * mesh.edge_count) return false; // a sphere

@@ -2,7 +2,7 @@
 // (quad_system.hpp) that it is homotopic to, once a tree that joins all
 // vertices is contracted.  Nearly all of them are empty.
 //
-// The product of the walks round a triangle is contractible.  So all goes
+// The product of the walks around a triangle is contractible.  So all goes
 // exactly with flips and splits, from the coarsest level to the finest:
 //
 //          k                     k

@@ -58,7 +58,7 @@ private:
     bool homology(Walk& walk) const;
     static bool rotate(Walk& walk, bool& from_b, size_t first, Memory& memory);
 
-    Array<uint32_t> at_a_;    // place of each spoke round a, counter-clockwise
+    Array<uint32_t> at_a_;    // place of each spoke around a, counter-clockwise
     Array<uint32_t> spoke_;   // and back
     Array<int32_t> homology_; // torus: two numbers per corner, of the way to it from corner 0
 };

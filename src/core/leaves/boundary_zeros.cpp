@@ -1,7 +1,7 @@
 // The zeros of a cluster with vertices of the boundary, and the arcs along it; the
 // double is exactly symmetric.
 //
-// A ring of vertices round a tube, off the boundary, is taken apart in the same way: each is its own root.
+// A ring of vertices around a tube, off the boundary, is taken apart in the same way: each is its own root.
 //
 // Every vertex of the cluster belongs to the vertex of the boundary that is nearest
 // along zero edges, its root.  Prongs leave at closed corners; their roots and the
@@ -28,7 +28,7 @@ struct CriticalGraph::Places {
     uint32_t at(const Foliation& f, uint32_t h) const { return zero.find(root.find(f.mesh.origin[h])); }
 };
 
-// Vertices and zero edges of the cluster in f.members are one closed path off the boundary: round a thin tube.
+// Vertices and zero edges of the cluster in f.members are one closed path off the boundary: around a thin tube.
 bool CriticalGraph::is_closed_path(const Foliation& f) const {
     for (const uint32_t v : f.members) {
         if (on_boundary[v] || f.mesh.is_marked(v)) return false;
@@ -43,8 +43,8 @@ bool CriticalGraph::is_closed_path(const Foliation& f) const {
     return true;
 }
 
-// The cluster in f.members: a disk, or a ring round a boundary curve without marked vertices, which would keep its two
-// circles apart. A ring across boundaries, the double of a way from one to another, goes round a part of the surface.
+// The cluster in f.members: a disk, or a ring around a boundary curve without marked vertices, which would keep its two
+// circles apart. A ring across boundaries, the double of a way from one to another, goes around a part of the surface.
 bool CriticalGraph::can_be_taken_apart(const Foliation& f, int64_t euler) const {
     if (!on_boundary || euler < 0) return false;
     if (euler == 1 || is_closed_path(f)) return true;

@@ -2,7 +2,7 @@
 // that it started from?
 //
 // A foliation whose leaves are all closed is given by its cylinders: how high
-// each is, and which closed curve goes round it.  (Whitehead moves change
+// each is, and which closed curve goes around it.  (Whitehead moves change
 // neither, and a class has one harmonic foliation.)  Both are read off in
 // integers, without trust in any step that led there:
 //
@@ -35,7 +35,7 @@ enum class ClassLoss : uint8_t {
     none,
     leaves, // the leaves do not close, or bound no cylinders
     height, // a loop has a cylinder of another height, or none
-    core,   // the heights are right, but a cylinder goes round another curve
+    core,   // the heights are right, but a cylinder goes around another curve
 };
 
 struct ClassResult {
@@ -43,7 +43,7 @@ struct ClassResult {
     ClassLoss loss = ClassLoss::none;
     uint32_t loop = NONE;   // that is lost
     double wanted = 0;      // height of its cylinder, in the unit of the reference
-    double found = 0;       // and what it is; 0: there is no cylinder round this loop
+    double found = 0;       // and what it is; 0: there is no cylinder around this loop
     uint64_t crossings = 0; // of all the boundary leaves
 };
 

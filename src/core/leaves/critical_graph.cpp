@@ -152,7 +152,7 @@ hmf_status CriticalGraph::find_marked(Foliation& f, const uint32_t* vertex_order
     return HMF_OK;
 }
 
-// The circle round a cluster with two marked vertices: a sector at each, if both
+// The circle around a cluster with two marked vertices: a sector at each, if both
 // lie on it.  Else it is not done, and the circle is one sector without prong.
 Done CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done) {
     const uint32_t ends[2] = {zeros[zero].element, zeros[other_zero].element};

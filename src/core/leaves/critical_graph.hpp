@@ -4,7 +4,7 @@
 // A zero of order m has m + 2 prongs and as many sectors between them, a marked
 // vertex that is no zero has one of both (foliation.hpp).  In each
 // sector a leaf passes half a unit away.  Such a boundary leaf goes on along a
-// prong, past the next zero, and so on, until it closes: it runs round one side
+// prong, past the next zero, and so on, until it closes: it runs around one side
 // of the critical graph, which lies on its left, and bounds a cylinder on its right.
 //
 //            prong of s
@@ -49,7 +49,7 @@ struct Zero {
 
 struct Sector {
     uint32_t zero;
-    uint32_t next, previous; // counter-clockwise round the zero; itself if there is no prong
+    uint32_t next, previous; // counter-clockwise around the zero; itself if there is no prong
     uint32_t last;           // half-edge out of the zero, last of the sector; tripod: out of the corner
     uint32_t arc;            // the side of an arc that leaves here, NONE without prong
     uint32_t boundary;
@@ -164,7 +164,7 @@ private:
     uint64_t crossing_limit_ = 0;
 };
 
-// The next half-edge that is not zero round the boundary of a cluster,
+// The next half-edge that is not zero around the boundary of a cluster,
 // counter-clockwise; closed: a closed corner lies between.
 inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
     const uint32_t ahead = f.mesh.rotate_ccw(g);
@@ -176,7 +176,7 @@ inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
     return twin(f.mesh.next[g]); // same neighbor, seen from the other end of the zero edge
 }
 
-// Once round such a circle, from h on: visit(half-edge, the next one, a closed corner lies between).
+// Once around such a circle, from h on: visit(half-edge, the next one, a closed corner lies between).
 template <class Visit>
 Done for_circle(const Foliation& f, uint32_t h, Visit visit) {
     uint32_t g = h;

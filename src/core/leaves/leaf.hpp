@@ -2,7 +2,7 @@
 // (compare multicurve.hpp, where every crossing is written down).
 //
 // A leaf crosses edge e at a place, counted from one end in half units: 0 and
-// 2 F_e are the ends.  In a triangle it turns round the corner that it cuts off:
+// 2 F_e are the ends.  In a triangle it turns around the corner that it cuts off:
 //
 //              k               entering over the twin of k -> i .. at distance t
 //             / \              from corner i:
@@ -52,7 +52,7 @@ inline Crossing follow(const Foliation& f, const Crossing& c) {
     return {f.mesh.next[k], c.at};
 }
 
-// Does the leaf, where it comes over c, turn round the corner on its left?
+// Does the leaf, where it comes over c, turn around the corner on its left?
 inline bool turns_left(const Foliation& f, const Crossing& c) {
     return width(f, c.half_edge) - c.at < branch(f, twin(c.half_edge));
 }

@@ -58,7 +58,7 @@ private:
         return work_ <= WORK * mesh_.edge_count + MOST_WORK;
     }
 
-    // The next half-edge round the cluster; closed: behind a closed corner.
+    // The next half-edge around the cluster; closed: behind a closed corner.
     uint32_t next_round(uint32_t g, bool& closed) const {
         const uint32_t ahead = mesh_.rotate_ccw(g);
         closed = f_.at(ahead) > 0 && f_.corner2(g) == 0;

@@ -19,7 +19,7 @@
 //                             / \     ->                  as far as the first
 //                          --'   '--       --     --      neighbor or branch point
 //
-//     none does          then it shrinks to one point.  If it has a cylinder round it,
+//     none does          then it shrinks to one point.  If it has a cylinder around it,
 //                        the point goes to the middle of that.
 //
 // All of it is moves of whole clusters along the tree, which keep the class and make
@@ -45,7 +45,7 @@ struct Symmetrized {
     SingularityCount count; // of f as it is now, if exact
 };
 
-// exact: false, and f is as it was, if a cluster that goes round a part of the surface, or
+// exact: false, and f is as it was, if a cluster that goes around a part of the surface, or
 // holds a marked vertex, would have to be taken apart, or if f is so far from symmetric
 // that this takes longer than about a sweep over the mesh.
 [[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrized& made);

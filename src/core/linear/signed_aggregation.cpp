@@ -12,7 +12,7 @@
 // The sign of a member in its aggregate is minus the sign of its entry to the
 // root: that is how a smooth vector continues across the edge.  With it the
 // aggregates of a twisted Laplacian are those of an ordinary one, but where
-// an aggregate lies round a tripod.
+// an aggregate lies around a tripod.
 //
 //   T   tentative prolongation: signed near-kernel vector, cut into aggregates
 //   P = (I - omega D^-1 A) T, with weak entries of A moved to the diagonal

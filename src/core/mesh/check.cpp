@@ -14,7 +14,7 @@ const char* check(const Mesh& mesh) {
         const uint32_t a = mesh.next[h];
         if (a >= sides || mesh.next[a] >= sides) return "next is out of range";
         const uint32_t b = mesh.next[a];
-        if (a == h || b == h || mesh.next[b] != h) return "next does not turn round a triangle";
+        if (a == h || b == h || mesh.next[b] != h) return "next does not turn around a triangle";
         if (mesh.face[h] >= mesh.face_count || mesh.face[a] != mesh.face[h])
             return "the sides of a triangle disagree about the face";
         if (mesh.origin[h] >= mesh.vertex_count || mesh.origin[a] != mesh.origin[twin(h)])

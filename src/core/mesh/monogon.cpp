@@ -13,7 +13,7 @@
 // may become such a piece.  Edges inside of a monogon bound monogons, so that
 // this finds all of them, in linear time.
 //
-// A marked vertex inside counts as a hole: the value of an edge round it is
+// A marked vertex inside counts as a hole: the value of an edge around it is
 // twice the distance of v from it (foliation.hpp).
 #include "monogon.hpp"
 

@@ -1,5 +1,5 @@
 // Edges from a vertex to itself that bound a disk, as the intrinsic Delaunay
-// triangulation has round the tip of a spike.
+// triangulation has around the tip of a spike.
 #pragma once
 
 #include "../base/memory.hpp"

@@ -109,7 +109,7 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
         return caller.mirror.front(v);
     };
     // One fan comes back after all triangles, and not before.  Counted, so that
-    // the walk round the next vertex need not wait for the end of this one.
+    // the walk around the next vertex need not wait for the end of this one.
     const auto is_one_fan = [&](uint32_t v) {
         uint32_t h = mesh.out[v], returns = 0;
         for (uint32_t steps = 0; steps < degree[v]; ++steps) {

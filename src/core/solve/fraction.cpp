@@ -95,7 +95,7 @@ public:
     }
     Array<uint32_t> list;
 
-    // One of each cluster: what was found round it holds for the move of no other.
+    // One of each cluster: what was found around it holds for the move of no other.
     void add(uint32_t v, double floor) {
         if (cluster_[v] != NONE) return;
         const uint32_t budget = star_.budget;

@@ -134,7 +134,7 @@ public:
         return HMF_OK;
     }
 
-    // Picks the vertices with a residual above this in the last look, those near zeros, and some rings round all of
+    // Picks the vertices with a residual above this in the last look, those near zeros, and some rings around all of
     // them, for a step of the part; false: they are more than this share of all.
     bool is_in_part(double residual, double share) {
         pick_near_zeros(0);
@@ -207,7 +207,7 @@ private:
             ++w_.statistics.linear_solves;
         }
         tight = model_.is_exact();
-        // On limbs that no loop goes round the values decay below the error of
+        // On limbs that no loop goes around the values decay below the error of
         // a loose solve: then it is continued, as long as there are fewer extrema for it.
         const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::few_extrema_on_double : 0;
         uint64_t had = UINT64_MAX;

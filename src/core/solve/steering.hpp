@@ -121,7 +121,7 @@ constexpr uint32_t late_sweeps = 2;
 constexpr uint32_t late_after = 1, late_after_tight = 3; // rounds
 
 // Where only a part of the mesh is left with more than this share of the largest residual, it is solved for alone, with
-// some rings round it: a part of the vertices up to part_share, in early rounds a smaller one.  Again as long as
+// some rings around it: a part of the vertices up to part_share, in early rounds a smaller one.  Again as long as
 // the residual falls by part_gain, else it is what the border of the part holds back, and no more after so many such
 // steps that had to be shortened.
 constexpr double part_residual = 1e-3;
@@ -133,7 +133,7 @@ constexpr double part_gain = 0.1;
 constexpr uint32_t parts_in_a_row = 20; // guard
 constexpr uint32_t parts_shortened = 2;
 
-// Vertices or steps that a search round a cluster may look at: on a small level all of
+// Vertices or steps that a search around a cluster may look at: on a small level all of
 // them, a few where there are many searches.  Sizes of levels in vertices.
 constexpr uint32_t tiny_level = 64, small_level = 1024, large_level = 100000;
 constexpr uint32_t budget_on_tiny_level = 512;

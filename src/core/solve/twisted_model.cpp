@@ -399,7 +399,7 @@ void TwistedModel::freeze(const Foliation& f, const Rings& rings, const Array<ui
                           Array<uint32_t>& patch, Array<uint32_t>& distance) {
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
-    // Rings of unknowns round them; distance counts up and is set back below.
+    // Rings of unknowns around them; distance counts up and is set back below.
     const auto add = [&](uint32_t k, uint32_t ring) {
         if (rests[k] || distance[k] != NONE) return;
         distance[k] = ring;

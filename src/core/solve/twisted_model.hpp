@@ -11,7 +11,7 @@
 // regular cluster get opposite signs at their two ends: F' = |d_i - d_j|.
 // Vertices of other clusters (zeros) rest.  Marked vertices never move, and
 // those that share a regular cluster with one rest for this step, as the signs
-// change when one goes round a marked vertex.  Their neighbors may pass them:
+// change when one goes around a marked vertex.  Their neighbors may pass them:
 // the value is the distance before and after.  The model is exact while
 //
 //     s d_v <= a_v        at every corner of a tripod: stop at its branch point

@@ -329,7 +329,7 @@ TEST(Boundary, MethodsAgree) {
     }
 }
 
-// The loops of the library tell which of them go round a boundary, as one finds by cutting the double along all.
+// The loops of the library tell which of them go around a boundary, as one finds by cutting the double along all.
 TEST(Boundary, LoopsRoundABoundaryAreKnown) {
     size_t round = 0, others = 0;
     const auto compare = [&](const Hierarchy& hierarchy) {

@@ -128,7 +128,7 @@ TEST(Boundary, CutAlongALeafIsExactOnAPillow) {
     const Hierarchy hierarchy(mesh, with_marks(corners));
     ASSERT_TRUE(hierarchy);
     const LevelMesh level = read_level(hierarchy, 0);
-    Curves curves; // round the rectangle, half-way up: there and back
+    Curves curves; // around the rectangle, half-way up: there and back
     Path round;
     for (size_t i = 0; i <= n; ++i) round.push_back(uint32_t(i * (m + 1) + m / 2));
     for (size_t i = n - 1; i >= 1; --i)

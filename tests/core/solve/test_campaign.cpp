@@ -182,7 +182,7 @@ struct Bars {
 };
 
 // Bars of all lengths and widths, stretched along an axis: right-angled triangles, some of them a million times as long
-// as wide, in rings round the bars.  No flip makes them rounder.
+// as wide, in rings around the bars.  No flip makes them rounder.
 bool make_lattice(uint64_t seed, Problem& p) {
     Random random(seed);
     p.kind = plates;

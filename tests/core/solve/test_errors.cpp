@@ -145,7 +145,7 @@ protected:
     Hierarchy hierarchy{small_torus()};
     LevelMesh mesh = read_level(hierarchy, 0);
 
-    // Triangles between column i and i + 1, in a ring round the tube; triangles
+    // Triangles between column i and i + 1, in a ring around the tube; triangles
     // 2 (i m + j) and 2 (i m + j) + 1 fill the cell (i, j).
     static std::vector<uint32_t> ring(uint32_t i) {
         std::vector<uint32_t> loop;
@@ -758,7 +758,7 @@ TEST_F(OnTorus, LoopDefects) {
     expect_loops({loop}, HMF_ERROR_LOOP_NOT_SIMPLE, 0);
     expect_loops({ring(0), row(3)}, HMF_ERROR_LOOP_CROSSING, 1);
     expect_loops({ring(0), ring(6)}, HMF_ERROR_LOOP_PARALLEL, 1);
-    // Round one vertex: the triangles at vertex 27, in order.
+    // Around one vertex: the triangles at vertex 27, in order.
     std::vector<uint32_t> star;
     uint32_t from = UINT32_MAX;
     for (uint32_t t = 0; t < mesh.triangle_count && star.empty(); ++t)

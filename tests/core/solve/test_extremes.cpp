@@ -174,7 +174,7 @@ TEST(Extremes, SweepsGoOnBelowTheUnit) {
     }
 }
 
-// Short ways round the thin direction are very many: the search is not to get
+// Short ways around the thin direction are very many: the search is not to get
 // lost in their multiples.
 TEST(Extremes, TunnelLoopsOfAStretchedSurface) {
     TriMesh mesh = pretzel(4, 2);

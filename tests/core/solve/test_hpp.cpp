@@ -168,7 +168,7 @@ TEST(Hpp, ReportAndSingularities) {
     EXPECT_EQ(report.history.size(), kept.history.size());
 }
 
-// The small loop round a vertex makes a pole there.
+// The small loop around a vertex makes a pole there.
 TEST(Hpp, Poles) {
     const hmf::Hierarchy hierarchy = make();
     const std::vector<uint32_t> ends = hierarchy.edge_vertices(0);

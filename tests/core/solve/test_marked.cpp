@@ -1,5 +1,5 @@
 // Marked vertices: exact solutions, the branched double cover, indices on all
-// levels, loops that go round them, leaves and parameterization.
+// levels, loops that go around them, leaves and parameterization.
 #include "src/core/hierarchy/hierarchy.hpp"
 #include "support/read_obj.hpp"
 #include "support/sample.hpp"
@@ -188,7 +188,7 @@ struct DoubleCover {
             swaps[parent_edge[v]] = odd[v];
             odd[parent[v]] = static_cast<char>(odd[parent[v]] ^ odd[v]);
         }
-        // Corners of both sheets, joined round the vertices.
+        // Corners of both sheets, joined around the vertices.
         const size_t corners = base.triangles.size();
         std::vector<uint32_t> root(2 * corners);
         for (uint32_t c = 0; c < root.size(); ++c) root[c] = c;
@@ -363,7 +363,7 @@ TEST(Marked, BranchedDoubleCoverAgrees) {
 }
 
 // A pillow, and above it two sheets that meet in its corners and in two vertices more: genus 2, and both zeros are
-// even, but (u, v) comes back with the opposite sign round some loops: what rounding leaves of the flux goes round one.
+// even, but (u, v) changes its sign around some loops, and what rounding leaves of the flux goes around one.
 TEST(Marked, EvenZerosWithoutOrientation) {
     const TriMesh pillow = jittered_tetrahedron(24, 0.4, 5);
     const Marks corners = {0, 1, 2, 3};
@@ -663,7 +663,7 @@ TEST(Marked, LeavesAndParameterization) {
     }
 }
 
-// Spikes on a sphere are the tips; each gets two marks, and the loops of the library go round the spikes.
+// Spikes on a sphere are the tips; each gets two marks, and the loops of the library go around the spikes.
 TEST(Marked, SuggestedMarksAreAtTips) {
     TriMesh mesh = sphere(5, 0, 3);
     const double spike[5][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, -0.64, -0.48}};

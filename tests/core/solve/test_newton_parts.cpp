@@ -417,7 +417,7 @@ TEST(Move, TakesANeighborAlong) {
 TEST(Move, TakesAVertexOfDegreeTwoAlong) {
     Combed combed({0, 70, 3, 60, 5, 80, 2, 90});
     Mesh& mesh = combed.f.mesh;
-    const uint32_t x = 44, v = x - 8; // with v, the next above and its neighbors round it
+    const uint32_t x = 44, v = x - 8; // with v, the next above and its neighbors around it
     for (uint32_t turn = 0, h = mesh.out[x], degree = 6; degree > 2 && turn < 100; ++turn, h = mesh.out[x]) {
         h = mesh.rotate_ccw(h);
         mesh.out[x] = h;

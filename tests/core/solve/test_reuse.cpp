@@ -354,7 +354,7 @@ TEST(Reuse, Errors) {
     options.start = coarse.get();
     EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_OK);
     EXPECT_EQ(solve(twin, nullptr, options).status, HMF_ERROR_LEVEL);
-    // The small loop round a vertex makes a pole there.
+    // The small loop around a vertex makes a pole there.
     const LevelMesh mesh = read_level(hierarchy, 0);
     std::vector<double> values(mesh.edge_count, 0);
     for (size_t i = 0; i < 2 * mesh.edge_count; ++i) values[i / 2] += mesh.edge_vertices[i] % 50 == 0;

@@ -1,4 +1,4 @@
-// Edges of value 0 from a vertex to itself, round handles: which of them open when the vertex moves.
+// Edges of value 0 from a vertex to itself, around handles: which of them open when the vertex moves.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -32,7 +32,7 @@ private:
         test::TriangleSides all{{with(e1), with(e2), with(e3)},       // pants
                                 {against(e1), with(p), against(q)},   // to u
                                 {with(f), against(p), with(q)},       //
-                                {against(e2), with(d1), against(d2)}, // round the handle
+                                {against(e2), with(d1), against(d2)}, // around the handle
                                 {against(e3), against(d1), with(d2)}};
         test::add_handle(all, against(f), a); // at u
         return all;

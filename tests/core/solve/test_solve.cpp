@@ -134,7 +134,7 @@ std::vector<Sample> bad_samples() {
 
 constexpr uint64_t coarse_size = 250;
 
-// The harmonic 1-form on level 0 of a torus mesh n x m with period 1 round the axis:
+// The harmonic 1-form on level 0 of a torus mesh n x m with period 1 around the axis:
 // |value| for each edge.
 std::vector<double> harmonic_form(const LevelMesh& mesh, size_t n, size_t m) {
     const auto step = [&](size_t e) {

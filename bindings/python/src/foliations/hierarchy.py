@@ -347,7 +347,7 @@ class Hierarchy:
         kind : "cut", "handle", "tunnel" or "pants"
             genus many, which together cut the surface into one planar piece;
             those of "handle" bound inside the surface, those of "tunnel" outside.
-            Genus 0: "cut" goes round pairs of marked vertices.
+            Genus 0: "cut" goes around pairs of marked vertices.
             "pants": 3 genus - 3 + marked vertices (genus 1 without those: one),
             which leave pairs of pants.  With boundary "cut" has also one loop
             along each boundary and, on a disk, arcs; there is no "handle" and "tunnel".

@@ -90,7 +90,7 @@ def quads(
     Raises
     ------
     UnsupportedError
-        A zero goes round a part of the surface that no leaf crosses, or no grids match for edges so long.
+        A zero goes around a part of the surface that no leaf crosses, or no grids match for edges so long.
     FoliationError
         The values cannot be used.
     """

@@ -191,7 +191,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Marked vertices for a mesh of genus 0, where you name none: two at the tip of
-    /// each limb, so that loops go round the limbs, at least four and at most 24.
+    /// each limb, so that loops go around the limbs, at least four and at most 24.
     /// None for genus 1 and more. Of several components each gets its own.
     ///
     /// Of the options, `mollify` and `memory_limit` count.

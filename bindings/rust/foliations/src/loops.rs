@@ -21,13 +21,13 @@ codes! {
     #[derive(Default)]
     LoopsKind: i32 {
         /// As many as the genus; together they cut the surface into one planar piece.
-        /// On a sphere round pairs of marked vertices. With boundary also one along each boundary,
+        /// On a sphere around pairs of marked vertices. With boundary also one along each boundary,
         /// and arcs on a disk.
         #[default]
         Cut = sys::HMF_LOOPS_CUT,
-        /// The same, and they bound inside the surface: they go round the handles.
+        /// The same, and they bound inside the surface: they go around the handles.
         Handle = sys::HMF_LOOPS_HANDLE,
-        /// The same, and they bound outside: they go round the holes.
+        /// The same, and they bound outside: they go around the holes.
         Tunnel = sys::HMF_LOOPS_TUNNEL,
         /// 3 genus - 3 + marked vertices (genus 1 without those: one); together they cut the
         /// surface into pairs of pants.

@@ -127,7 +127,7 @@ fn bad_values() {
     expect(hierarchy.foliation(9, &values), Status::ERROR_LEVEL, Some(Element::Level));
 }
 
-/// More zeros and poles than 4 genus - 4: the loop round one vertex makes a pole there.
+/// More zeros and poles than 4 genus - 4: the loop around one vertex makes a pole there.
 #[test]
 fn values_with_poles() {
     let (positions, triangles) = plate(1, 1, 2, 1);
