@@ -9,7 +9,7 @@ namespace hmf {
 bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options);
 hmf_status refuse_build_options(Call& call);
 
-// For calls whose result is no hierarchy.
+// For calls that do not return a hierarchy.
 class MeshEntry {
     Control control_;
     hmf_build_options all_{};

@@ -24,7 +24,7 @@ void ResultBlock::add(ptrdiff_t field, size_t count, size_t size, const void* so
 void* ResultBlock::make_bytes(const void* structure, size_t size, const hmf_hierarchy& h, Call& call) {
     size_t bytes = block_bytes(sizeof(BlockHeader)) + block_bytes(size);
     for (int i = 0; i < part_count_; ++i) bytes += block_bytes(parts_[i].bytes);
-    // Nothing is given after a failed allocation, whoever has seen it.
+    // No result is returned after a failed allocation, wherever it happened.
     void* block = call.memory.failure() ? nullptr : call.memory.take(too_large_ ? SIZE_MAX : bytes);
     if (!block) {
         call.out_of_memory();

@@ -100,7 +100,7 @@ private:
     const Indices& indices_;
 };
 
-// Fills the list, whose room is there, in the order of hmf_singularity_set.
+// Fills the list, which is already allocated, in the order of hmf_singularity_set.
 class Lister {
 public:
     Lister(const State& state, const Indices& indices, Call& call) :

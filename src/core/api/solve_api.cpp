@@ -70,8 +70,8 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
     return finish_solve(state, status, options, unit, recorder, call, watch, out);
 }
 
-// Optimizes the state of a foliation on its level, within its class.  Where that
-// has a report, watch.result says no more than the report did.
+// Optimizes the state of a foliation on its level, within its class. If the foliation has a report, watch.result claims
+// no more than that report.
 hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOptions& options, Recorder& recorder,
                           ClassWatch& watch, Call& call) {
     const int32_t known = from.has_report ? from.report.class_state : HMF_CLASS_UNKNOWN;

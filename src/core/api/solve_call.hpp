@@ -1,4 +1,4 @@
-// What the calls that solve share, whoever makes the loops.
+// Code shared by the calls that solve, with loops of the caller or of the library.
 #pragma once
 
 #include "read_loop_set.hpp"

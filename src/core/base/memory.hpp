@@ -1,10 +1,9 @@
-// Memory and call state of the core: allocator hooks, limit, arrays that
-// report failure instead of throwing, and the arena of a hierarchy.
+// Memory and call state of the core: allocator hooks, memory limit, arrays that report failure instead of throwing, and
+// the arena of a hierarchy.
 //
-// The core is compiled without exceptions.  What can fail only for want of
-// memory, or because it was cancelled, returns Done; what knows more returns
-// hmf_status.  Neither may be ignored.  The first failure decides the status of
-// the call.
+// The core is compiled without exceptions. A function that can fail only because memory ran out or the call was
+// cancelled returns Done. A function that can fail for other reasons returns hmf_status. Neither may be ignored. The
+// first failure decides the status of the call.
 #pragma once
 
 #include <cassert>
@@ -19,8 +18,8 @@
 
 namespace hmf {
 
-// Was it done?  false: no memory, or cancelled; Call::stopped() says which.  To
-// be read like a bool; the compiler warns where it is ignored.
+// Whether the work was done. false: out of memory, or cancelled; Call::stopped() says which. Read it like a bool; the
+// compiler warns if it is ignored.
 class [[nodiscard]] Done {
 public:
     constexpr Done(bool done) : done_(done) {}
@@ -34,7 +33,7 @@ private:
 class Memory {
 public:
     Memory(hmf_allocate_fn allocate, hmf_release_fn release, void* user, uint64_t limit, uint64_t used_before = 0);
-    // A part of another account: what is taken here counts there, and its limit holds.
+    // A part of another account: blocks taken here count there, and the limit of that account holds.
     explicit Memory(Memory& whole) :
         allocate_(whole.allocate_), release_(whole.release_), user_(whole.user_), limit_(0), used_(0), peak_(0),
         whole_(&whole) {}
@@ -44,12 +43,12 @@ public:
 
     void* take(size_t bytes);             // nullptr on failure; see failure()
     void give(void* block, size_t bytes); // nullptr is allowed
-    // For arrays: bytes becomes the size of the block, which may be a little larger than was asked for.
+    // For arrays: bytes becomes the size of the block, which may be slightly larger than requested.
     void* take_array(size_t& bytes);
     void give_array(void* block, size_t bytes);
-    // From now on large blocks of arrays are kept for other arrays of about their size: the system clears fresh memory
-    // page by page, which takes longer than most passes over it.  What is kept and what is in use are
-    // together never more than was in use at the peak; limit and peak count what is in use.
+    // Keeps large blocks of arrays for other arrays of about the same size, because the system clears fresh memory page
+    // by page, which takes longer than most passes over it. Blocks kept and in use together never exceed the peak of
+    // those in use; limit and peak count the blocks in use.
     void keep_arrays() { keeps_ = true; }
     void release_kept();                            // and keeps no more
     hmf_status failure() const { return failure_; } // HMF_OK, HMF_ERROR_MEMORY or HMF_ERROR_MEMORY_LIMIT
@@ -271,7 +270,7 @@ public:
 
     // Reports progress, mapped into the current range; false: cancelled.  With
     // can_finish the answer HMF_PROGRESS_FINISH only sets finishing().
-    // Cheap enough for every few thousand elementary steps.
+    // Call it every few thousand elementary steps.
     Done tick(double fraction, bool can_finish = false);
     // Adds elementary steps to those since the last report, and reports when they are a unit of work; false:
     // cancelled.  What walks a star, a cluster, a loop or a polygon adds what it walked, so that the time between
@@ -280,8 +279,8 @@ public:
         steps_ += steps;
         return steps_ < unit_of_work || tick(fraction, can_finish);
     }
-    // f(begin, end) for the blocks of a pass over n elements, on the threads of the
-    // host, with a report before every so many of them; false: cancelled.
+    // Calls f(begin, end) for the blocks of a pass over n elements, on the threads of the host, and reports progress at
+    // regular numbers of blocks; false: cancelled.
     template <class F>
     Done pass(size_t n, double fraction, F f, bool can_finish = false) {
         const size_t block = Parallel::pass_block(n), stride = blocks_between_reports * block;

@@ -1,9 +1,9 @@
 // The queue of Dijkstra's algorithm: a binary heap of items, nearest first,
-// the lower number first where distances are equal.  An item may be in it
-// several times; who takes it out checks whether the entry is still true.
+// the lower number first where distances are equal.  An item may be in it several times; the caller that takes it out
+// checks whether the entry is still valid.
 //
-// Half of a search is this queue.  Where an order by distances rounded to 24
-// bits will do, an entry is one word, and is compared as such:
+// A search spends half of its time in this queue. If distances rounded to 24 bits suffice for the order, an entry is
+// one word and is compared as one word:
 //
 //     [ key of the distance | item ]      (sort_keys.hpp)
 #pragma once

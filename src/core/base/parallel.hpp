@@ -45,7 +45,7 @@ public:
         run_(user_, Work<F>::take, &work, tasks);
     }
 
-    // f(begin, end) for blocks of so many elements.
+    // Calls f(begin, end) for blocks of the given number of elements.
     template <class F>
     void for_blocks(size_t n, size_t size, F f) const {
         for_each(static_cast<uint32_t>((n + size - 1) / size), [&](uint32_t block, uint32_t) {

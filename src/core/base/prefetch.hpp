@@ -1,7 +1,5 @@
-// Asks for memory that is read soon; nothing where the compiler has no such builtin.
-//
-// HMF_INLINE for every function that does nothing else: a compiler finds that
-// a call of it has no effect, and drops it.
+// Prefetches memory that will be read soon; does nothing if the compiler has no such builtin. Use HMF_INLINE for every
+// function that only prefetches: the compiler finds that a call of it has no effect, and removes the call.
 #pragma once
 
 #if defined(__GNUC__)

@@ -8,8 +8,8 @@
 
 namespace hmf {
 
-// key(i) < keys is asked for twice; put(i, at) then puts item i to its place.  begin[k] .. begin[k + 1] are the places
-// of key k; begin may be NULL.
+// Calls key(i) < keys twice for each item; put(i, at) then moves item i to its place. begin[k] .. begin[k + 1] are the
+// places of key k; begin may be NULL.
 template <class Key, class Put>
 Done place_by_few(size_t n, uint32_t keys, Key key, Put put, uint32_t* begin, const Parallel& parallel,
                   Memory& memory) {

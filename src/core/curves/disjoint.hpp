@@ -5,14 +5,13 @@
 
 namespace hmf {
 
-// Are loops first .. last - 1 simple and disjoint?  If so their multicurve is left,
-// traced, in `curves` (allocated), and the loop (from 0) of each component in
-// loop_of, if wanted.
+// Tests whether loops first .. last - 1 are simple and disjoint. If so, `curves` (allocated by the caller) holds their
+// traced multicurve, and loop_of, if not NULL, the loop (from 0) of each component.
 Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
               Array<uint32_t>* loop_of, Call& call, bool& answer);
 
-// Is the last loop simple, and disjoint from those before, which are so?  Loops that it shares an edge with are looked
-// at.  curves: allocated; what it holds then means nothing.
+// Tests whether the last loop is simple and disjoint from the earlier ones, which must be simple and disjoint. Only
+// loops that share an edge with it are examined. curves: allocated; its contents are unspecified afterwards.
 Done last_is_disjoint(const Mesh& mesh, const Loops& loops, Multicurve& curves, Call& call, bool& answer);
 
 } // namespace hmf

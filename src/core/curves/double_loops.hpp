@@ -6,8 +6,7 @@
 //     arc a, boundary to    ->  a and back along its mirror image: leaves meet
 //     boundary                  the boundary at right angles
 //
-// The first loops of the result are those of the caller, in their order; behind
-// them are the mirror images.
+// The result begins with the loops of the caller, in their order; their mirror images follow.
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"

@@ -62,8 +62,7 @@ struct Loops {
 // (along_edges) or crossed already.
 [[nodiscard]] hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges, Call& call, Loops& out);
 
-// Removes neighbors of a cyclic sequence that cancel; what is left is
-// sequence[begin], .., sequence[end - 1].
+// Cancels inverse neighbors of a cyclic sequence; the remaining ones are sequence[begin], .., sequence[end - 1].
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end);
 
 // As the caller gave them, for messages.

@@ -1,5 +1,5 @@
-// Loops without fingers.  A loop that is simple and disjoint from the others
-// may still meet an edge twice although it could be pulled off it:
+// Removes bigons from loops.  A loop that is simple and disjoint from the others may still form a bigon with an edge:
+// it crosses the edge twice and could be pulled off it.
 //
 //      \   ________   /          A cluster of vertices that no loop separates,
 //       \ / a--b   \ /           a disk, with one closed corner (or none that
@@ -10,15 +10,14 @@
 //           :  :
 //
 // Its index is positive, so it would be a pole of the initial foliation
-// ([W] Eq. 1): the numbers of crossings would be no distances in a tree.  The
-// finger is taken off; each time the crossings become fewer.
+// ([W] Eq. 1): the numbers of crossings would be no distances in a tree.  The bigon is removed; each time the number of
+// crossings decreases.
 //
-// Fingers around one cluster lie in each other.  All of them are taken off at
-// once: an outer one without the inner one would cross it, and what crosses is
-// no longer what the numbers of crossings say.
+// Bigons around one cluster are nested. All of them are removed at once: removing an outer one alone would make it
+// cross the inner one, and crossing loops are not determined by their numbers of crossings.
 //
 // A disk without a closed corner would have a loop around it that is not
-// essential, so the fingers are found at closed corners: opposite to an edge
+// essential, so bigons are found at closed corners: opposite to an edge
 // that is crossed more than once.
 #include "../foliation/foliation.hpp"
 #include "../base/heap_sort.hpp"

@@ -1,4 +1,4 @@
-// A vertex of a cluster moves, with what it would leave behind as an extremum.
+// Moves a vertex of a cluster, together with the parts of the cluster that would otherwise become extrema.
 //
 //      S S S           v moves by mu into direction S.  The cluster without v
 //      |/ \|           falls into parts.  A part that is a disk and has nothing
@@ -125,7 +125,7 @@ int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& s
     for_half_edges(f, side, star, [&](uint32_t h, int own, int other) {
         if (own + other < 0) at_most(f.at(h) / -(own + other));
     });
-    // Corners inside S; closed ones only around a pole that a flip as printed has left.
+    // Corners inside S. A closed one occurs only around a pole that a flip of HMF_METHOD_PAPER has made.
     for (uint32_t t = 0; t < star.degree; ++t) {
         const uint32_t u = side_after(t, star.degree);
         const bool inside =

@@ -1,7 +1,7 @@
 // The exact foliation: one 64-bit integer per edge, the distance that the
 // images of its end points have in the metric tree of the class.
 //
-// Everything is decided by integers.  In triangle (i, j, k) the corner
+// Integers decide all questions of topology.  In triangle (i, j, k) the corner
 // coordinate of i is how far i is from the branch point of the three images:
 //
 //     a_i = (F_ij + F_ik - F_jk) / 2 >= 0          closed corner: a_i = 0
@@ -9,8 +9,8 @@
 // Positions in the tree are integers, hence a_i is one, too; an odd sum or a
 // negative coordinate is a defect of the program.
 //
-// Zero edges are part of the truth (limbs that no loop goes round, vertices
-// that share a singularity), so the unit of the theory is the cluster:
+// Zero edges are part of the solution (on limbs that no loop goes around, and between vertices that share a
+// singularity). So the basic element is the cluster:
 // vertices joined by zero edges, with the all-zero triangles between them.
 // A vertex without zero edges is a cluster of its own.  The boundary of a
 // cluster is walked like the link of a vertex; its directions in the tree are
@@ -61,7 +61,7 @@ struct Foliation {
     bool outside = false;
     static constexpr uint32_t most_inside = 64;                                 // members, and as many pushed
     Done share(const Foliation& whole, const uint32_t* blocks, Memory& memory); // the same foliation for a task
-    // May the task look at the star of a vertex, as one more of so many?
+    // Whether the task may read the star of a vertex, one more within its budget.
     bool may_look(uint32_t vertex, size_t members_now) {
         if (!inside || ((inside[vertex] & mask) == block && members_now < most_inside)) return true;
         outside = true;
@@ -91,8 +91,8 @@ inline int64_t largest_value(const Foliation& f, const Parallel& parallel) {
         .value;
 }
 
-// What a search around a cluster found.  The search may stop early, as soon as
-// the closed corners reach a limit or the vertices exceed a budget.
+// Result of the search around a cluster. The search may stop early, as soon as the closed corners reach a limit or the
+// vertices exceed a budget.
 struct Cluster {
     int64_t euler = 0; // vertices - zero edges + zero triangles; valid if complete
     uint32_t closed_corners = 0;
@@ -143,7 +143,7 @@ struct SingularityCount {
     }
 };
 
-// Where they are; NULL = not wanted.
+// Their positions; NULL = not requested.
 struct SingularityMaps {
     int32_t* vertex_index = nullptr;    // clusters at their lowest vertex
     uint32_t* vertex_cluster = nullptr; // lowest vertex of the cluster of each vertex

@@ -33,8 +33,8 @@ Done read_sides(const Mesh& mesh, uint32_t v, RestrictionScratch& scratch, uint3
     return true;
 }
 
-// One move of the origin of g (with what it pushes) towards the target of g,
-// up to the next branch point, neighbor, or the target.
+// One move of the origin of g, with the parts that it pushes, towards the target of g: up to the next branch point,
+// neighbor, or the target.
 Done move_along(Foliation& f, uint32_t g, RestrictionScratch& scratch) {
     uint32_t degree = 0;
     if (!read_sides(f.mesh, f.mesh.origin[g], scratch, degree)) return false;
@@ -52,7 +52,7 @@ Done move_along(Foliation& f, uint32_t g, RestrictionScratch& scratch) {
 } // namespace
 
 Done move_to_end(Foliation& f, uint32_t h, RestrictionScratch& scratch) {
-    // Each move lands on a branch point, on a neighbor, or arrives.
+    // Each move ends at a branch point, at a neighbor, or at the target.
     while (f.at(h) > 0)
         if (!move_along(f, h, scratch)) return false;
     return true;

@@ -55,7 +55,7 @@ void Sweeps::plan_rounds() {
     }
 }
 
-// Those of the finer level by number; the others like a neighbor, as soon as it has one.
+// Vertices of the finer level by number; each other vertex goes with a neighbor that has a block.
 void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) {
     constexpr int most_passes = 8; // what is further from a vertex of the finer level has no block
     const uint32_t n = static_cast<uint32_t>(inside_.size()), first = coarser_count < n ? coarser_count : 0;

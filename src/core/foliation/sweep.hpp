@@ -3,13 +3,13 @@
 // A move of v reads and writes what is between v and its neighbors and, if v
 // belongs to a cluster, that of the whole cluster.  Vertices that are near in
 // space make a block.  What lies inside, with all its neighbors and its cluster
-// in the same block, moves there, each block for itself.  Then neighboring blocks
+// in the same block, moves with that block, independently of the others.  Then neighboring blocks
 // are joined, some times, and what lies inside of one now moves in the same way:
 //
 //     | o o o 1 | 1 o o o 2 | 2 o o o |       o inside of a block, 1 of two joined
 //     | o o o 1 | 1 o o o 2 | 2 o o o |       ones, 2 at a border: one or two in a hundred
 //
-// The others come after that, one by one.
+// The remaining vertices are moved one by one afterwards.
 //
 // Blocks depend on the mesh alone.  A small mesh is one block.
 #pragma once

@@ -22,7 +22,7 @@
 // next branch point of the tree, a Whitehead move of the whole cluster.  There
 // it has a further direction, and the formula holds.  The neighbors that it
 // meets on the way join the cluster, and the search goes on around them.
-// HMF_METHOD_PAPER takes the formula all the same, as [W] does: i becomes a pole,
+// HMF_METHOD_PAPER uses the formula anyway, as [W] does: i becomes a pole,
 // and triangle ikl of the new ones a zero.
 //
 // Hence: no cluster of positive index before, none after.

@@ -13,10 +13,9 @@
 // without marked vertices.
 //
 // Legal is a move up to the first closed corner or the first neighbor in S:
-// there the vertex lands exactly, and what it finds there (a branch of the
-// tree, or a neighbor, with which it then forms a cluster) decides how it
-// goes on.  A vertex may leave its cluster, but must not leave a pole behind:
-// what would be one moves along (cluster_move.cpp).  Marked vertices never move.
+// the vertex arrives there exactly, and the branch of the tree or the neighbor there (with which it then forms a
+// cluster) determines its next move.  A vertex may leave its cluster if this makes no pole: a part that would become
+// one moves along (cluster_move.cpp).  Marked vertices never move.
 #include "whitehead.hpp"
 
 #include <algorithm>
@@ -269,7 +268,8 @@ namespace {
 
 enum class Outcome : uint8_t { undecided, rests, moves, lands };
 
-// Into one direction, whose sides it has as bits: as far as it pulls beyond all others, or to the end of the room.
+// Into one direction, given by its sides as bits: as far as it pulls more than all others, at most to the end of the
+// free interval.
 struct PlainMove {
     uint64_t sides;
     int64_t room;
@@ -379,7 +379,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
                 && !rings.is(v, Monogons::SELF_EDGE))
                 return false;
     bool moved = false;
-    // Each round lands on a branch or a neighbor and looks on from there.
+    // Each round arrives at a branch point or a neighbor and plans the next move from there.
     for (uint32_t round = 0; round < 4; ++round) {
         if (!rings.is(v, Monogons::SELF_EDGE)) {
             Outcome outcome = relax_plain_vertex(f, side, degree, weight, rings.weight_sum[v], result);
@@ -414,7 +414,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             const uint32_t u = side_after(t, star.degree);
             if (star.F[u] != 0 && star.group[u] == star.best) limit = std::min(limit, star.corner2[t] / 2);
         }
-        // A closed corner inside of S, as around the pole of a flip as printed: its neighbors have to go first.
+        // A closed corner inside S, as around the pole of a flip of HMF_METHOD_PAPER: its neighbors have to move first.
         if (limit == 0) return moved;
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);

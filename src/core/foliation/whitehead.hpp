@@ -24,8 +24,8 @@ struct Rings {
     Monogons monogons;
     uint32_t max_degree = 0;
     Done build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel = Parallel());
-    // Asks for what a walk around v will read.  A pass over the vertices does so
-    // for one that is `ahead`.
+    // Prefetches the data that a walk around v will read. A pass over the vertices does so for a vertex that is
+    // `ahead`.
     static constexpr uint32_t ahead = 8;
     HMF_INLINE void prefetch_star(const int64_t* value, const double* weight, uint32_t v) const {
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
@@ -70,9 +70,9 @@ struct Star {
     uint32_t best = 0;              // group of the largest pull
     double best_pull = 0, pull = 0; // of that group; of all
     bool has_zero = false, decided = true;
-    uint32_t budget = 512; // vertices or steps that one move may look at
-    // And all moves together until it is filled again: a sweep stays linear where large clusters move as a whole,
-    // again and again.  What is left when it is used up waits for a later sweep.
+    uint32_t budget = 512; // vertices or steps that one move may examine
+    // The budget of all moves together until it is filled again. It keeps a sweep linear if large clusters move as a
+    // whole repeatedly. Moves beyond the budget are left to a later sweep.
     uint64_t credit = UINT64_MAX;
     uint32_t allowance() const {
         constexpr uint64_t always = 64;
@@ -99,7 +99,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
 struct SweepResult {
     double energy_change = 0; // in squared units, <= 0
     uint64_t moves = 0;
-    uint64_t blocked = 0; // vertices that want to move but must wait
+    uint64_t blocked = 0; // vertices whose move is postponed
     double largest = 0;   // excess by pull of a vertex that moved: its residual before
 
     void add_move(double excess, double pull) {
@@ -118,7 +118,7 @@ struct SweepResult {
 // (cluster_move.cpp).  plan_move fills star.step and f.pushed; false: what
 // would be left behind or go along is not known, the vertex has to wait.
 bool plan_move(Foliation& f, const Rings::Side* side, Star& star);
-// The planned move goes up to the first neighbor or branch point.
+// The planned move ends at the first neighbor or branch point.
 int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& star);
 void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t mu);
 // As far as is best and there is room; false: not by a unit.  lands: as far as there is room.

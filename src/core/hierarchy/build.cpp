@@ -49,7 +49,7 @@ struct Schedule {
     }
 
 private:
-    // 0: a last step that would be less than half of a usual one is not worth a level.
+    // 0: a last step of less than half the usual size is not made a level of its own.
     uint64_t next_towards(uint64_t last, uint64_t edge_count) const {
         if (edge_count <= last) return 0;
         const double step = ratio * static_cast<double>(edge_count);

@@ -20,7 +20,7 @@ namespace {
 constexpr double DELAUNAY_TOLERANCE = -1e-9;
 // An edge between two vertices of higher degree is not flipped: whether they are neighbors takes a walk.
 constexpr uint32_t MAX_WALKED_DEGREE = 256;
-// Of an edge that is not on the stack of those to be looked at.
+// Of an edge that is not on the stack of edges to test.
 constexpr uint32_t NOT_WANTED = NONE - 1, WANTED = NONE - 2;
 
 // Is the angle at apex between a and b greater than 90 degrees?
@@ -60,7 +60,7 @@ bool is_wanted(const WorkMesh& work, uint32_t edge) {
     return cotangent(k, i, j) + cotangent(l, j, i) < DELAUNAY_TOLERANCE;
 }
 
-// An edge whose flip is wanted.
+// An edge that has to be flipped.
 bool flip_if_possible(WorkMesh& work, uint32_t edge) {
     Mesh& mesh = work.mesh;
     const uint32_t h = 2 * edge, t = twin(h), ki = mesh.prev(h), lj = mesh.prev(t);
@@ -81,7 +81,7 @@ bool flip_if_possible(WorkMesh& work, uint32_t edge) {
 
 hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, double fraction) {
     Mesh& mesh = work.mesh;
-    // Nearly no edge wants to be flipped, so all are asked first.  Later a flip nearby asks again.
+    // Nearly no edge has to be flipped, so all edges are tested first. A later flip nearby tests its neighbors again.
     const auto ask = [&](size_t begin, size_t end) {
         for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e)
             work.link[e] = is_wanted(work, e) ? WANTED : NOT_WANTED;
@@ -92,7 +92,7 @@ hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, do
     for (uint32_t first = 0; first < mesh.edge_count; ++first) {
         if (first % 65536 == 0 && !call.tick(fraction)) return HMF_CANCELLED;
         if (work.link[first] != WANTED) continue;
-        // Edges around a flipped one are looked at again, at once.
+        // The edges around a flipped one are tested again at once.
         uint32_t e = first;
         for (;;) {
             if (++steps % 8192 == 0 && !call.tick(fraction)) return HMF_CANCELLED;

@@ -10,12 +10,12 @@ struct Numbering {
     uint32_t *vertex = nullptr, *edge = nullptr, *face = nullptr; // old number -> new number
 };
 
-// Numbers that put what is left first and what was removed behind it, both in
-// the old order.  records: the collapses since the numbers were last changed.
+// Numbers the remaining elements first and the removed ones after them, both in the old order.  records: the collapses
+// since the numbers were last changed.
 void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out,
                   const Parallel& parallel);
 
-// Drops what was removed and moves the rest to its new numbers.
+// Removes deleted elements and moves the others to their new numbers.
 void compact(WorkMesh& work, const Numbering& numbers, const Parallel& parallel);
 
 // Follows what stays on the coarser level to its number there; from

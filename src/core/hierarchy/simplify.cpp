@@ -1,23 +1,20 @@
 // Edge collapses of one level ([W] 4.1): the shortest edge goes first, to its
 // midpoint, as long as the link condition holds.
 //
-// The queue is lazy.  A collapse changes the length of a dozen edges; none of
-// them is touched.  An edge that got longer is put back when it is taken; one
-// that got shorter comes later than it should, which only matters inside one
-// level, since each level starts with a new queue.  A heap would keep the exact
-// order, at the price of a dozen updates for each collapse.
+// The queue is lazy. A collapse changes the length of a dozen edges, but their entries are not updated. An edge that
+// became longer is put back when it is taken; one that became shorter is collapsed later than in the exact order. This
+// matters only within one level, because each level starts with a new queue. A heap would keep the exact order at the
+// cost of a dozen updates for each collapse.
 //
-// A first round keeps the mesh in good shape (no vertex of high degree, no
-// triangle that turns over); if that does not reach the target, the next
-// round only asks for the link condition.
+// The first round keeps the mesh well shaped (no vertex of high degree, no inverted triangle). If it does not reach the
+// target, the next round requires only the link condition.
 //
 // A marked vertex is the end that stays, and keeps its place; an edge between
 // two of them is never collapsed.
 //
 // A large mesh is cut into blocks of vertices.  A collapse touches the two stars
-// of its edge: where they lie in one block it is the business of that block
-// alone.  For each length, blocks collapse theirs at the same time, and then the
-// edges that reach over a border go one by one:
+// of its edge: if both lie in one block, that block alone performs it. For each length, all blocks collapse their edges
+// in parallel; then the edges that cross a border are collapsed one by one:
 //
 //     +-----------+-----------+        o-o inside of its block
 //     |  o-o      |      o-o  |        x-x touches a vertex with a
@@ -39,7 +36,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MAX_DEGREE = 32;
-// Of both ends of an edge together, in a round that is not careful.
+// The sum for both ends of an edge, in a round that is not strict.
 constexpr uint32_t MAX_TESTED_DEGREE = 512;
 
 struct Placement {
@@ -160,8 +157,8 @@ inline Placement place(const WorkMesh& work, int32_t strategy, uint32_t h) {
     return result;
 }
 
-// Runs ahead of the edges that are taken from a list, and asks for what they
-// need.  A list does not change any more when the first edge is taken.
+// Runs ahead of the edges that are taken from a list and prefetches their data. A list is complete when its first edge
+// is taken.
 class Scout {
 public:
     void step(const WorkMesh& work, const BucketQueue& queue, uint32_t list) {
@@ -194,8 +191,8 @@ private:
     uint32_t list_ = NONE, far_ = NONE, near_ = NONE;
 };
 
-// The half-edge of an edge that a collapse keeps the origin of: a marked end,
-// or the one with more neighbors, so that less is renamed.
+// The half-edge of an edge whose origin is kept by a collapse: a marked end, or the end with more neighbors, so that
+// fewer half-edges are renamed.
 uint32_t directed(const WorkMesh& work, uint32_t edge) {
     const uint32_t h = 2 * edge;
     if (work.mesh.is_marked(work.mesh.origin[h])) return h;
@@ -203,8 +200,7 @@ uint32_t directed(const WorkMesh& work, uint32_t edge) {
     return work.degree[work.mesh.target(h)] > work.degree[work.mesh.origin[h]] ? twin(h) : h;
 }
 
-// What a careful round asks for: the link condition, moderate degrees, and no
-// triangle that turns over.
+// Conditions of a strict round: the link condition, moderate degrees, and no inverted triangle.
 bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
     const Mesh& mesh = work.mesh;
     const uint32_t i = mesh.origin[h], j = mesh.target(h), degree_i = work.degree[i], degree_j = work.degree[j];
@@ -341,7 +337,7 @@ public:
                 if (!strict_) break;
                 strict_ = false;
             } else if (edges_at_round - mesh_.edge_count < edges_at_round / 64) {
-                strict_ = false; // not worth another careful round
+                strict_ = false; // not enough for another strict round
             }
         }
         return HMF_OK;
@@ -528,7 +524,7 @@ private:
         count_collapses(collapse_some(block, now, left(), log_ + log_count_));
     }
 
-    // Each block an equal share of what is left, in a part of the log of its own.
+    // Each block gets an equal share of the remaining collapses, in a part of the log of its own.
     Done collapse_in_blocks(uint32_t now) {
         const uint32_t share = left() / work_.block_count;
         uint32_t count[WorkMesh::most_blocks], end[WorkMesh::most_blocks];

@@ -10,9 +10,8 @@
 namespace hmf {
 
 // Shortest edges first, roughly: one list per half octave of the cost.  An edge
-// is in one list at most; its cost is looked at again when it is taken.  Lists
-// this long follow the surface: with finer ones, each collapse is far from the
-// one before, and costs twice as much.
+// is in one list at most; its cost is checked again when it is taken. Lists of this size keep consecutive collapses
+// close in space; with finer lists a collapse is far from the previous one and takes twice as long.
 class BucketQueue {
 public:
     static constexpr uint32_t BUCKETS = 1u << 12;

@@ -164,7 +164,7 @@ Done CrossingWords::were_split(const Mesh& mesh, const Collapse* collapses, size
     return true;
 }
 
-// The product around the origin of a half-edge is 1.
+// The product of the words around the origin of a half-edge is 1.
 Done CrossingWords::close_round(const Mesh& mesh, uint32_t half_edge) {
     scratch_.clear();
     for (uint32_t g = mesh.rotate_cw(half_edge); g != half_edge; g = mesh.rotate_cw(g))

@@ -50,8 +50,8 @@ uint32_t QuadSystem::turn(bool at_b, uint32_t in, uint32_t out) const {
     return to >= from ? to - from : to + n - from;
 }
 
-// The rows that brackets leave wait their turn, the last row first: brackets can follow from one another as often as
-// the walk is long, which is too deep for the stack of the processor.
+// Rows that remain after brackets are postponed and processed last row first: brackets can follow from one another as
+// often as the walk is long, which is too deep for recursion.
 bool QuadSystem::push(Walk& walk, bool from_b, uint32_t spoke) const {
     Walk waiting;
     waiting.start(walk.memory());

@@ -6,8 +6,8 @@
 // Every vertex of the cluster belongs to the vertex of the boundary that is nearest
 // along zero edges, its root.  Prongs leave at closed corners; their roots and the
 // marked vertices of the boundary are the places of zeros.  A run is a part of the circle
-// between closed corners that belongs to one place: a sector there.  What belongs
-// to no place lies between two runs, beside the arc that joins their places.
+// between closed corners that belongs to one place: a sector there.  Sides that belong to no place lie between two
+// runs, beside the arc that joins their places.
 #include "../base/heap_sort.hpp"
 #include "critical_graph.hpp"
 

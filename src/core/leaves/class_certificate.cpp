@@ -81,8 +81,8 @@ bool ClassReference::agrees(const Array<int64_t>& weights) const {
     return true;
 }
 
-// The cylinders of a result.  sound: they are there, with all zeros, whose indices have the sum that Poincare and
-// Hopf ask for, and no pole.
+// The cylinders of a result. sound: they exist with all zeros, the indices of the zeros have the sum of the
+// Poincare-Hopf theorem, and there is no pole.
 hmf_status ClassReference::find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
                                           Call& call) const {
     const int64_t whole = 2 * f.mesh.euler() - static_cast<int64_t>(f.mesh.marked_count);

@@ -1,10 +1,9 @@
-// The certificate of the class: does a foliation belong to the weighted loops
-// that it started from?
+// The certificate of the class: tests whether a foliation belongs to the weighted loops that it started from.
 //
 // A foliation whose leaves are all closed is given by its cylinders: how high
 // each is, and which closed curve goes around it.  (Whitehead moves change
-// neither, and a class has one harmonic foliation.)  Both are read off in
-// integers, without trust in any step that led there:
+// neither, and a class has one harmonic foliation.)  Both are read off in integers and do not rely on any step of the
+// solve:
 //
 //   heights   the critical leaves are followed out of the zeros until they
 //             close; they bound the cylinders, and the way straight across each,

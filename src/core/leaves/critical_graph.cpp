@@ -22,9 +22,8 @@ Done CriticalGraph::start(const Foliation& f, Memory& memory) {
     boundaries.start(memory);
     crossings.start(memory);
     circle_.start(memory);
-    // A boundary leaf of a harmonic foliation crosses about as many edges as a
-    // shortest loop.  Integers that belong to no such class can make it longer
-    // than any memory.
+    // A boundary leaf of a harmonic foliation crosses about as many edges as a shortest loop. Integers that belong to
+    // no such class can make it longer than any memory.
     crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
     return at_vertex_.start(memory) && at_tripod_.start(memory);
 }

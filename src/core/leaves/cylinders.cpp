@@ -154,7 +154,7 @@ bool closed_leaf(const Foliation& f, const Crossing& start, uint64_t limit, Arra
 Done Cylinders::find_vertices(const Foliation& f, Call& call) {
     Memory& memory = call.memory;
     const Mesh& mesh = f.mesh;
-    // A vertex within a cylinder knows it from an edge with a mark, or from a neighbor.
+    // A vertex within a cylinder gets it from an edge with a mark, or from a neighbor.
     Array<uint32_t> queue;
     queue.start(memory);
     if (!of_vertex_.allocate_filled(memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return false;

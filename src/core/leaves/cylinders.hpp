@@ -1,5 +1,5 @@
-// The cylinders of a foliation: what is left of the surface without its
-// critical graph.  One for each loop of the class, as high as its weight.
+// The cylinders of a foliation: the components of the surface without its critical graph. There is one for each loop of
+// the class, and its height is the weight of the loop.
 #pragma once
 
 #include "critical_graph.hpp"

@@ -45,9 +45,8 @@ struct Symmetrized {
     SingularityCount count; // of f as it is now, if exact
 };
 
-// exact: false, and f is as it was, if a cluster that goes around a part of the surface, or
-// holds a marked vertex, would have to be taken apart, or if f is so far from symmetric
-// that this takes longer than about a sweep over the mesh.
+// exact: false, and f is unchanged, if a cluster that surrounds a part of the surface or contains a marked vertex would
+// have to be divided, or if f is so far from symmetric that this takes longer than about a sweep over the mesh.
 [[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrized& made);
 
 } // namespace hmf

@@ -1,8 +1,7 @@
 // Sparse matrices that are written row by row, on several threads.
 //
-// Blocks of rows are written at the same time, each into room of its own, and then
-// put together.  Room is for an expected number of entries a row; where that is not
-// enough, all is written once more with more room:
+// Blocks of rows are written in parallel, each into an area of its own, and then joined. An area has space for an
+// expected number of entries per row; if that does not suffice, all blocks are written again with more space:
 //
 //     | block 0  used      | block 1  used   | block 2 ...
 //     | block 0 | block 1 | block 2 ...
@@ -70,8 +69,8 @@ private:
 template <class Entry>
 class BlockRows {
 public:
-    // In blocks of so many rows, or more: the rows are the same for any size.
-    // write_block(b, slot): puts the rows of block b there; false where there is no room for them.
+    // In blocks of at least the given number of rows; the rows are the same for any block size. write_block(b, slot):
+    // writes the rows of block b into the slot; false if it does not have enough space.
     template <class Write>
     Done write(uint32_t rows, uint32_t rows_of_block, size_t expected, Memory& memory, Call* call, Write write_block) {
         rows_ = rows;

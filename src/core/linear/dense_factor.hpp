@@ -5,10 +5,11 @@
 // triangles the least eigenvalues are far above it.  On long triangles that lie along a limb they are not: there
 //
 //      o==o==o==o     == a million times as heavy as |, and rings of heavy edges are only joined by light ones:
-//      |  |  |  |     each has a wave of its own, of an eigenvalue like the light edges.  Such waves are left to
+//      |  |  |  |     each has a wave of its own, of an eigenvalue like the light edges.  Such waves have to be solved
+//      on
 //      o==o==o==o     this level, and where a shift hides them, conjugate gradients need hundreds of steps.
 //
-// Where pivots tell that, the factor is made again in double precision, with a smaller shift.
+// If the pivots show this, the factor is computed again in double precision, with a smaller shift.
 #pragma once
 
 #include "signed_matrix.hpp"

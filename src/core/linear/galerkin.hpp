@@ -7,8 +7,8 @@
 
 namespace hmf {
 
-// A matrix of the hierarchy while it is being built, in double precision: the
-// rows of a Laplacian nearly cancel, and what is left has to survive.
+// A matrix of the hierarchy while it is being built, in double precision: the entries of a row of a Laplacian nearly
+// cancel, and the difference has to keep its digits.
 struct CoarseMatrix {
     SparseRows<double> rows;
     Array<double> diagonal;

@@ -10,9 +10,8 @@
 //         o   o                                o   o---'
 //
 // The sign of a member in its aggregate is minus the sign of its entry to the
-// root: that is how a smooth vector continues across the edge.  With it the
-// aggregates of a twisted Laplacian are those of an ordinary one, but where
-// an aggregate lies around a tripod.
+// root: that is how a smooth vector continues across the edge.  With it the aggregates of a twisted Laplacian are those
+// of an ordinary one, except for an aggregate around a tripod.
 //
 //   T   tentative prolongation: signed near-kernel vector, cut into aggregates
 //   P = (I - omega D^-1 A) T, with weak entries of A moved to the diagonal
@@ -131,8 +130,8 @@ bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint3
     return true;
 }
 
-// The same for strong entries to members that did not join themselves.  What it depends on
-// stays as it is, so the unknowns can be asked in any order.  Returns best and sign, or undecided.
+// The same for strong entries to members that did not join in the first pass. The members are only read, so the
+// unknowns can be processed in any order. Returns best and sign, or undecided.
 uint32_t core_to_join(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, const Aggregates& a) {
     uint32_t candidate[largest_smoothed_degree];
     double vote[largest_smoothed_degree];
@@ -209,8 +208,8 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
         if (has_strong & !taken) take_in(matrix, i, true, a);
     }
     if (!continues(call) || !join_cores(matrix, kernel, a, parallel, memory)) return false;
-    // Groups whose whole outside was taken, as heavy edges among light ones:
-    // they have to stay together, or the coarse level cannot move them.
+    // Groups all of whose neighbors were taken, such as heavy edges among light ones: they have to stay together, or
+    // the coarse level cannot move them.
     for (uint32_t i = 0; i < n; ++i) {
         if (a.of[i] != undecided) continue;
         bool has_strong = false;
@@ -218,7 +217,7 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
             has_strong = a.of[matrix.column[k]] == undecided && (a.strong[k] & on_matrix_row);
         if (has_strong) take_in(matrix, i, true, a);
     }
-    // What is left has weak neighbors only.
+    // The remaining unknowns have weak neighbors only.
     Array<double> vote;
     for (uint32_t i = 0; i < n; ++i) {
         if (a.of[i] != undecided) continue;

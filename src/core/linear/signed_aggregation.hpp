@@ -6,7 +6,7 @@
 
 namespace hmf {
 
-// Between pieces of work; not done: cancelled, or told to finish.
+// Called between pieces of work; not done: cancelled, or asked to finish.
 inline Done continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
 
 // 1 / sqrt(diagonal); 0 for rows whose diagonal is not above the threshold.

@@ -220,7 +220,7 @@ void SignedMultigrid::k_cycle(const Parallel& parallel) {
     level.matrix.step_forward(static_cast<float>(first.zr / first.zAz), 0, g, x, v, parallel);
     correct_level_1();
     const StepSums second = level.matrix.backward_to_step(g, x, v, parallel);
-    // What is left of the second direction once it is conjugate to the first.
+    // The part of the second direction that is conjugate to the first.
     const double beta = -second.zq / first.zAz, rest = second.zAz + beta * second.zq;
     const float step = static_cast<float>(rest > 1e-6 * second.zAz ? second.zr / rest : 0),
                 of_first = static_cast<float>(beta) * step;
@@ -258,9 +258,9 @@ bool is_zero(const double* x, size_t n, const Parallel& parallel) {
                 .any;
 }
 
-// The norms of a residual: 2-norm with the scaling to unit diagonal, largest row with that of the caller.
-// row_scale: may be null.  residual(i) is asked for once for each row.  input: if not null,
-// what the preconditioner is to have next, the scaled residual times factor.
+// The norms of a residual: 2-norm with the scaling to unit diagonal, largest row with that of the caller. row_scale:
+// may be null. residual(i) is called once for each row. input: if not null, the next input of the preconditioner, the
+// scaled residual times factor.
 template <class Residual>
 ResidualNorms residual_norms(size_t n, const float* scale, const float* row_scale, float* input, double factor,
                              const Parallel& parallel, Residual residual) {
@@ -422,7 +422,7 @@ void SignedMultigrid::search_in_double(Search& s, Call& call) {
             ++s.result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
-            // Times the norm before: about 1, as single precision wants it.
+            // Times the previous norm: about 1, the range of single precision.
             norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=](size_t i) {
                 x[i] += alpha * p[i];
                 return r[i] -= alpha * q[i];
@@ -467,8 +467,8 @@ ResidualNorms SignedMultigrid::find_residual(const Search& s, double per_unit, c
     return norms;
 }
 
-// Steps that need no product with the matrix, from the true residual to a share of it, and again from there.
-// False: that is not precise enough, which shows where the true residual is not what the steps have told.
+// Steps that need no product with the matrix: they reduce the residual by a factor, then restart from the true
+// residual. False: not precise enough, because the true residual differs from the recurrence.
 bool SignedMultigrid::search_in_single(Search& s, Call& call) {
     constexpr double share = 1e-3, least_gain = 0.1, some_drift = 1.01, most_drift = 1.25, none = 1e300;
     const size_t n = s.matrix.n;
@@ -505,7 +505,8 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
         if (broken || !(norm() < least_gain * before) || (before < none && norm() > most_drift * unit)) return false;
         before = norm();
         const double enough = share * norm();
-        // The direction goes on, unless A p is not known so well; what the true residual has along it is no longer 0.
+        // The direction is continued unless A p is too inexact; the component of the true residual along it is no
+        // longer 0.
         if (norm() > some_drift * unit) pq = 0;
         double pr = parallel.sum_blocks<double>(n, [=](size_t begin, size_t end) {
             double sum = 0;

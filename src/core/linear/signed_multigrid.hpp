@@ -22,20 +22,20 @@
 
 namespace hmf {
 
-// What a solve may be told beside the matrix and the right side; all optional.
+// Optional input of a solve beside the matrix and the right side.
 struct LinearOptions {
     // n values: good enough is also an x where no row of |b - A x| times its
     // row_scale exceeds row_tolerance.
     const float* row_scale = nullptr;
     double row_tolerance = 0;
-    // Unknowns that keep the value they have in x; their rows are not asked for.
-    // Where b is 0 the solution counts as 0, and they have to be.
+    // Unknowns that keep the value they have in x; their rows are not read. If b is 0, the solution is taken to be 0,
+    // and so must they be.
     const uint32_t* fixed = nullptr;
     size_t fixed_count = 0;
     // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
     bool hopeless_ends = false;
-    // The residual that the steps tell is believed at the end, which saves a product with A: for callers that
-    // look at what comes of x.  It is true to 1e-4 (bench/README.md).
+    // Accepts the residual of the recurrence at the end, which saves a product with A: for callers that check the
+    // resulting x. It is accurate to 1e-4 (bench/README.md).
     bool unchecked = false;
     // A is not that of setup or of the last refresh: all products are taken with A itself.
     bool other_matrix = false;
@@ -88,10 +88,9 @@ class SignedMultigrid {
 public:
     static constexpr uint32_t max_levels = MultigridLevels::most;
 
-    // Builds the preconditioner.  Not done also if the call (may be null) was told
-    // to finish.  The matrix is not kept.  depth: largest number of sparse
-    // levels; 1 is the smoother alone, which is enough for a few digits where
-    // the error has no long waves.
+    // Builds the preconditioner. Not done also if the call (may be null) was asked to finish. The matrix is not kept.
+    // depth: largest number of sparse levels; 1 is the smoother alone, which suffices for a few digits of an error
+    // without long waves.
     Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
     // Takes the values of a matrix that hardly differs, in the same columns, for the

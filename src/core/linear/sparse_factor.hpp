@@ -1,5 +1,5 @@
-// A direct solver for matrices on which the multigrid fails: weights of 10^5 beside such of 10^-6 are more than single
-// precision tells apart.
+// A direct solver for matrices on which the multigrid fails: weights of 10^5 beside weights of 10^-6 exceed the range
+// of single precision.
 //
 //     L D L^T, row by row, in double precision
 //

@@ -11,7 +11,7 @@ namespace {
 
 // Rows with more entries are on the border: otherwise all of their neighbors would be.
 constexpr uint32_t widest_inner_row = 48;
-// The rows of the matrix are met in no order: their memory is asked for sweep_ahead.
+// The rows of the matrix are read in no order, so their memory is prefetched.
 constexpr uint32_t sweep_ahead = 8;
 
 void prefetch_row(const SignedMatrix& matrix, uint32_t i) {
@@ -19,9 +19,9 @@ void prefetch_row(const SignedMatrix& matrix, uint32_t i) {
     prefetch(&matrix.entry[matrix.offset[i]]);
 }
 
-// Where a row lies.  A mesh has its coarse vertices first, and those of each level in
-// an order in space.  Most vertices are of the last level, and nearly every other one has a
-// neighbor of it, or a neighbor that has: two steps to the last neighbor lead there.
+// The place of a row. A mesh has its coarse vertices first, and those of each level in an order in space. Most vertices
+// belong to the last level, and nearly every other vertex has a neighbor of that level, or a neighbor that has one: two
+// steps to the last neighbor lead there.
 Done find_places(const SignedMatrix& matrix, Array<uint32_t>& place, const Parallel& parallel, Memory& memory) {
     Array<uint32_t> last;
     if (!last.allocate(memory, matrix.n) || !place.allocate(memory, matrix.n)) return false;
@@ -55,7 +55,7 @@ struct SweepMatrix::Order {
     uint32_t row_of(uint32_t k) const { return row.empty() ? k : row.data()[k]; }
 };
 
-// By places, but for the order of those that lie close together.
+// By places, but in the original order for rows that are close together.
 Done SweepMatrix::list_in_space(const SignedMatrix& matrix, Order& order, const Parallel& parallel,
                                 Memory& memory) const {
     constexpr uint32_t least_width = 64, most_bins = 8192;
@@ -364,7 +364,7 @@ void SweepMatrix::refresh_row(const SignedMatrix& matrix, const float* scale, ui
             ++low;
             used_low = 0;
         }
-        // The columns tell which entries come before the row; those that fill up have its own.
+        // The columns tell which entries come before the row; padding entries have a column of their own.
         if (used_low < group_size && c != own && low->column_at(used_low) + first_column == c) {
             low->entry[used_low++] = value;
             continue;

@@ -95,8 +95,8 @@ public:
     }
 
 private:
-    // Entries of a row.  Filled up with zeros: most rows of a mesh have one group of those that come before it in a
-    // sweep and one of those after it, and the end of a loop whose length varies would be mispredicted in each row.
+    // Entries of a row, padded with zeros: most rows of a mesh have one group of entries before the row in a sweep and
+    // one after it, and the end of a loop of variable length would be mispredicted in each row.
     static constexpr uint32_t group_size = 4;
     template <class Column>
     struct Group {

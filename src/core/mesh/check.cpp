@@ -7,8 +7,8 @@ const char* check(const Mesh& mesh) {
     if (mesh.vertex_count == 0 || mesh.edge_count == 0 || mesh.face_count == 0) return "a count is zero";
     const uint32_t sides = 2 * mesh.edge_count;
     if (sides != 3 * mesh.face_count) return "the numbers of edges and faces do not fit together";
-    // Every face must own one triangle: compared by the sums of numbers and
-    // squares, for want of memory.
+    // Every face must own one triangle. They are compared by sums of numbers and of squares, so that no memory is
+    // needed.
     uint64_t sum = 0, squares = 0, triangles = 0;
     for (uint32_t h = 0; h < sides; ++h) {
         const uint32_t a = mesh.next[h];

@@ -141,7 +141,7 @@ bool FlatPolygons::find_apex(uint32_t corner, PlanePoint& apex, double& error) c
     return true;
 }
 
-// Sine of the turn to the right from u to v at a corner whose angle inside was that from `u_before` to `v_before`, and
+// Sine of the turn to the right from u to v at a corner whose interior angle was that from `u_before` to `v_before` and
 // has grown by less than 180 degrees.
 double FlatPolygons::concave(const PlanePoint& u_before, const PlanePoint& v_before, const PlanePoint& u,
                              const PlanePoint& v, bool& sharp) {
@@ -257,7 +257,7 @@ Done FlatPolygons::to_fan(uint32_t hub) {
     }
 }
 
-// The flips from the Delaunay triangulation to the fan, whose reverse leads back.
+// The flips from the Delaunay triangulation to the fan; their reverse leads from the fan to it.
 Done FlatPolygons::list_spoke_flips(uint32_t hub) {
     spoke_flips_.clear();
     queue_.clear();

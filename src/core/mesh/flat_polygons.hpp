@@ -1,4 +1,4 @@
-// Flat polygons of an intrinsic triangulation, each triangulated anew at once.
+// Retriangulates flat polygons of an intrinsic triangulation, each in one step.
 //
 // Where two chains of many vertices face each other across a flat strip, as on a wall between two fans, edges that are
 // flipped one after the other and stay straight need n^2 / 2 flips:

@@ -346,8 +346,8 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, FlipLog& 
 
 namespace {
 
-// Cotangent of the angle opposite to h, by the sides of its triangle alone; false if they do not tell, in a triangle
-// so thin that rounding decides.
+// Cotangent of the angle opposite to h, from the sides of its triangle alone; false if the triangle is so thin that
+// rounding decides.
 bool cotangent_by_sides(const Mesh& mesh, const Metric& metric, uint32_t h, double& cotangent) {
     const bool fine = !metric.square.empty();
     const auto square = [&](uint32_t side) {

@@ -7,8 +7,8 @@
 
 namespace hmf {
 
-// Bound of the flips of intrinsic_delaunay, and so of the length of its log.  Beyond FLIPS_PER_EDGE_ALONE, flips
-// one by one are likely to be many times as many: then flat polygons are triangulated at once (flat_polygons.hpp).
+// Bound of the flips of intrinsic_delaunay, and so of the length of its log. Beyond FLIPS_PER_EDGE_ALONE, single flips
+// are likely to need many times as many; flat polygons are then retriangulated in one step (flat_polygons.hpp).
 constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16, FLIPS_PER_EDGE_ALONE = 2;
 
 // The edges that were flipped, in order: all are counted, the first `capacity` are written.
@@ -24,8 +24,8 @@ struct FlipLog {
 
 // A metric that is flat but for its vertices: lengths of the edges and areas
 // of the triangles, both scaled by a power of two so that squares are
-// harmless.  The area is kept beside the lengths because it cannot be had
-// from them in a needle or cap thinner than the square root of the precision.
+// harmless.  The area is stored beside the lengths because it cannot be computed from them in a needle or cap thinner
+// than the square root of the precision.
 struct Metric {
     Array<double> length;     // per edge
     Array<double> four_areas; // per face
@@ -68,8 +68,8 @@ double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge);
 Done find_bad_flip(const Mesh& mesh, const Metric& metric, const double* sum, const FlipLog& flips, Call& call,
                    double fraction, uint32_t& bad);
 
-// From sums of cotangents to weights, in place: raised to the floor and cut at
-// the cap.  Returns the number of weights that were negative beyond rounding.
+// From sums of cotangents to weights, in place: clamped to [floor, cap]. Returns the number of weights that were
+// negative beyond rounding.
 uint64_t intrinsic_weights(const Mesh& mesh, double* sum, const Parallel& parallel = Parallel());
 
 } // namespace hmf

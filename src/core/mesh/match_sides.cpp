@@ -5,13 +5,13 @@
 //                      ^-----------^                  directions: an edge
 //
 // Triangles come in the order of their lowest vertex, which has two of the three
-// sides in its bucket; the third one waits for the bucket of its own lower
-// vertex, which comes later.  So one pass sees each bucket when it is complete,
+// sides in its bucket; the third one goes to the bucket of its own lower vertex, which comes later.  So one pass sees
+// each bucket when it is complete,
 // and all that it touches is near in memory.
 //
-// In blocks of vertices, each with the triangles whose lowest vertex it has.  A
-// third side may wait for a bucket of a later block: such triangles are listed,
-// and their sides put on its lists before the blocks begin.  As a bucket has
+// In blocks of vertices, each with the triangles whose lowest vertex it has.  A third side may belong to a bucket of a
+// later block: such triangles are listed, and their sides are added to the lists of that block before the blocks start.
+// As a bucket has
 // its sides in an order that blocks do not change, neither do the edges.
 #include "match_sides.hpp"
 
@@ -205,7 +205,7 @@ private:
         Block& block = blocks_[k];
         for (uint32_t v = first_vertex(k); v < vertex_end(k); ++v) {
             degree_[v] = 0;
-            mesh_.out[v] = NONE; // lists of those that wait begin here
+            mesh_.out[v] = NONE; // lists of sides for later buckets begin here
         }
         uint32_t* const list = listed_ + block.face;
         block.sides = 3 * (block.face_end - block.face);

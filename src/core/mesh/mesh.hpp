@@ -118,11 +118,11 @@ bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks);
 // Merges j into i, removes three edges and two triangles.
 Collapse collapse(Mesh& mesh, uint32_t h);
 
-// Exact reversal of the last collapse: connectivity as before it.  Works also
-// on a copy that never held the removed elements.  Does not touch the counts.
+// Exact reversal of the last collapse: restores the connectivity. Works also on a copy that never held the removed
+// elements. Does not change the counts.
 void split(Mesh& mesh, const Collapse& c);
 
-// Asks for what a split needs that comes soon, where log[i] is reversed now, down to `begin`.
+// Prefetches the data of a split that comes soon, if log[i] is reversed at present, down to `begin`.
 HMF_INLINE void prefetch_split(const Mesh& mesh, const Collapse* log, size_t i, size_t begin) {
     constexpr size_t ahead = 8;
     if (i < begin + ahead) return;
@@ -145,7 +145,7 @@ HMF_INLINE void prefetch_split(const Mesh& mesh, const Collapse* log, size_t i, 
 // Rotates half-edge 2e from i -> j to l -> k.  unflip is its exact reversal.
 void flip(Mesh& mesh, uint32_t edge);
 void unflip(Mesh& mesh, uint32_t edge);
-// Likewise where only mesh.next is wanted.
+// The same if only mesh.next is needed.
 void unflip_sides(uint32_t* next, uint32_t edge);
 
 // Every structural invariant; for tests and debug builds.  Returns nullptr or a sentence.

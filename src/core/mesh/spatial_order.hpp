@@ -19,10 +19,9 @@ struct OrderedTriangles {
     uint32_t number(uint32_t face) const { return words[size_t{4} * face + 3]; }
 };
 
-// Fills vertex_internal (caller's vertex -> internal vertex) and position
-// (3 * vertex_count, internal order, times scale).  scale is a power of two
-// that brings coordinates to a size whose fourth power is harmless; 1 for all
-// reasonable units.  Refuses coordinates that are not finite.
+// Fills vertex_internal (caller's vertex -> internal vertex) and position (3 * vertex_count, internal order, times
+// scale). scale is a power of two that brings coordinates to a size whose fourth power neither overflows nor
+// underflows; 1 for all reasonable units. Refuses coordinates that are not finite.
 [[nodiscard]] hmf_status order_vertices(const double* positions, size_t vertex_count, size_t position_stride,
                                         uint32_t* vertex_internal, double* position, double& scale, Call& call);
 

@@ -108,8 +108,8 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
         while (caller.vertex_internal[v] != internal) ++v;
         return caller.mirror.front(v);
     };
-    // One fan comes back after all triangles, and not before.  Counted, so that
-    // the walk around the next vertex need not wait for the end of this one.
+    // A single fan returns to its start after all triangles, and not earlier. Triangles are counted, so that the walk
+    // around the next vertex does not depend on the end of this one.
     const auto is_one_fan = [&](uint32_t v) {
         uint32_t h = mesh.out[v], returns = 0;
         for (uint32_t steps = 0; steps < degree[v]; ++steps) {

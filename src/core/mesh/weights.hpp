@@ -62,8 +62,8 @@ private:
 [[nodiscard]] hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call,
                                         double fraction);
 
-// From sums of cotangents to weights of a coarse level, in place: raised to the
-// floor and cut at the cap.  Returns the number of negative ones before that.
+// From sums of cotangents to weights of a coarse level, in place: clamped to [floor, cap]. Returns the number of
+// negative sums.
 uint64_t coarse_weights(const Mesh& mesh, double* sum, const Parallel& parallel);
 
 } // namespace hmf

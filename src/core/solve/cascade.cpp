@@ -40,7 +40,7 @@ Done LevelWork::prepare() {
     return true;
 }
 
-// No step helps any more.  Is it because a unit is too much?
+// No step helps. Tests whether quantization is the reason.
 hmf_status end_beyond_rounding(LevelWork& work, double goal) {
     ResidualResult found;
     Recorder& recorder = work.recorder;
@@ -77,7 +77,8 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
             if (residual <= wanted) return HMF_OK;
             at_rest = result.moves == 0 ? at_rest + 1 : 0;
             if (at_rest == steering::sweeps_at_rest) {
-                // What is left is less than a unit: a finer one, as far as doubles tell pulls apart, then fractions.
+                // The remaining steps are smaller than a unit: a finer unit, as far as doubles distinguish pulls, then
+                // fractions.
                 const double told_apart = std::max(wanted, steering::end_of_doubles);
                 if (!work.refine_unit(told_apart).changed) return end_beyond_rounding(work, wanted);
                 D = energy(f, work.level.weight);

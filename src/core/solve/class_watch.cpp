@@ -87,7 +87,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     if (call.finishing()) return HMF_CANCELLED;             // there is no time for another try
     if (call.out_of_time()) return HMF_LIMIT_TIME;
 
-    // Once more, on the safe side.
+    // Repeats the solve with guarded steps.
     state.load(start, triangulation);
     std::memcpy(f.mesh.out, out.data(), out.size() * sizeof(uint32_t));
     std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));

@@ -1,11 +1,9 @@
 // Watches the class during a solve.
 //
-// The fast way comes first, and its result is certified (class_certificate.hpp).
-// Where the certificate says no, the solve starts again from the initial
-// foliation and certifies each level, coarsest first.  A level that loses the
-// class is repeated from the state in which it was entered, which is certified;
-// then each step of all vertices at once has to pass the certificate before it
-// is taken (moves of single vertices cannot leave the class).
+// The unguarded solve runs first, and its result is certified (class_certificate.hpp). If the certificate fails, the
+// solve starts again from the initial foliation and certifies each level, coarsest first. A level that loses the class
+// is repeated from its certified initial state, and each step of all vertices has to pass the certificate before it is
+// accepted (moves of single vertices cannot leave the class).
 #pragma once
 
 #include "../leaves/class_certificate.hpp"
@@ -31,10 +29,10 @@ struct ClassWatch {
     // state, or NULL; weights: theirs, in units of the state, or empty.
     [[nodiscard]] hmf_status start(State& state, double unit_of_values, const Loops* loops,
                                    const Array<int64_t>& weights, Call& call);
-    // Of the state as it is.
+    // Certifies the current state.
     [[nodiscard]] hmf_status look(State& state, double unit_of_values, Call& call);
     bool holds() const { return result.state != ClassState::lost; }
-    // From here on the words go along with the mesh of the state.
+    // Updates the words with every later change of the mesh of the state.
     void listen(State& state);
 
 private:

@@ -10,13 +10,13 @@ namespace hmf {
 
 namespace {
 
-// What the change of the neighbors' places does to the edge of side h of a vertex that rests.
+// The change of the edge of side h of a vertex that rests, caused by the neighbors.
 double change_beyond(const Foliation& f, const TwistedModel& model, const double* part, uint32_t h) {
     return -model.sign[twin(h)] * part[f.mesh.target(h)];
 }
 
-// At a vertex that rests: by the directions of the integers.  Not more than this, whichever of them a neighbor of its
-// cluster has gone in.
+// At a vertex that rests: by the directions of the integers. At most this, in whichever of them a neighbor of its
+// cluster has moved.
 double residual_at_rest(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model,
                         const double* part, uint32_t v, double floor, Star& star) {
     if (f.mesh.is_marked(v)) return 0; // balanced by the half turn
@@ -95,7 +95,7 @@ public:
     }
     Array<uint32_t> list;
 
-    // One of each cluster: what was found around it holds for the move of no other.
+    // One of each cluster: the search result around it does not hold for the move of another one.
     void add(uint32_t v, double floor) {
         if (cluster_[v] != NONE) return;
         const uint32_t budget = star_.budget;
@@ -120,10 +120,10 @@ private:
     Array<uint32_t> cluster_; // per vertex: the one of its cluster that is in the list
 };
 
-// The vertices that may move: those within some rings of the ones where the residual is too large.  The others keep
-// their integers.  Few are better: what edges of no weight hold goes far.  Vertices without an edge above 0 move
-// always, with those that they hang together with: at the end of a limb they would be an extremum if what is round
-// them moved alone.
+// The vertices that may move: those within some rings of the vertices whose residual is too large. The others keep
+// their integers. A larger set gives better results, because effects spread far along edges of small weight. Vertices
+// without an edge above 0 may always move, together with their cluster: at the end of a limb they would become an
+// extremum if only their surroundings moved.
 class Region {
 public:
     Region(const Foliation& f, const Rings& rings, const TwistedModel& model) : f_(f), rings_(rings), model_(model) {}
@@ -188,7 +188,7 @@ private:
     size_t size_ = 0;
 };
 
-// What a vertex, or those that edges of value 0 hold together, has after a step.
+// The edges of a vertex, or of vertices joined by edges of value 0, after a step.
 struct Ways {
     bool opens = false, reverses = false;
     bool ahead = false, behind = false; // an edge in each direction that the step does not reverse

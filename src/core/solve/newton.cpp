@@ -2,19 +2,17 @@
 // Whitehead moves.
 //
 // One round on a level:
-//   1. sweeps of Whitehead moves: singularities walk, clusters open
-//   2. the quadratic model of the signs as they are (twisted_model.hpp),
-//      solved by conjugate gradients with signed multigrid: loosely as long as
-//      zeros move.  Once the vertices that come to a bound rest there, they
-//      are held, and the same solve goes on to the end
-//   3. the solution, brought into its bounds, is rounded and applied to all
-//      vertices at once; extrema that rounding or a loose solve left are
-//      settled; kept if every zero is where it was or at the branch point of
-//      its triangle (so the class is kept) and the energy falls; else the
-//      place where it fails is held fast, or the whole step is halved
+//   1. sweeps of Whitehead moves: zeros move, clusters open
+//   2. the quadratic model for the current signs (twisted_model.hpp), solved by conjugate gradients with signed
+//      multigrid: loosely as long as zeros move. Once the set of active bounds is stable, it is fixed, and the same
+//      solve continues to full accuracy
+//   3. the solution is projected to its bounds, rounded and applied to all vertices at once. Extrema caused by rounding
+//      or a loose solve are removed. The step is accepted if every zero is where it was or at the branch point of its
+//      triangle (so the class is kept) and the energy decreases. Otherwise the vertices where it fails are fixed, or
+//      the step is halved
 //   4. moves near the singularities, where the model is not smooth
-// A level that has stalled goes on after steps that are solved for exactly, and moves of the zeros that these leave.
-// Where the residual is large in a part of the mesh only, 2 and 3 are done for the unknowns there (part_system.hpp).
+// A level that has stalled continues with exactly solved steps, and moves of the remaining zeros. If the residual is
+// large in a part of the mesh only, 2 and 3 are done for the unknowns there (part_system.hpp).
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
 #include "newton_plan.hpp"
@@ -46,11 +44,11 @@ public:
             && distance_.allocate(memory, n) && patch_.reserve(n) && picked_.reserve(n + size_t{1});
     }
 
-    // Signs, energy and residual of the foliation as it is.
+    // Computes signs, energy and residual of the current foliation.
     Done look() { return model_.look(f_, w_.rings, weight_, w_.star, w_.call); }
     const TwistedModel& model() const { return model_; }
 
-    // The zeros that the last look has seen.
+    // The zeros of the last linearization.
     Done hand_over(ZeroList& zeros) {
         zeros.vertices.clear();
         zeros.tripods.clear();
@@ -110,16 +108,17 @@ public:
 
     // Most vertices are near a zero; as of the last relax_after_step.
     bool zeros_are_everywhere() const { return zeros_everywhere_; }
-    // The last step came to none of its bounds: zeros are in place, and what is left is the error of the solve.
+    // No bound was active in the last step: zeros are in place, and the remaining residual is the error of the solve.
     bool was_within_bounds() const { return bounds_met_ == 0; }
-    // The first solution of the last step, brought into its bounds, made extrema: values on limbs were wrong in front.
+    // The first solution of the last step, projected to its bounds, made extrema: values on limbs had no correct
+    // digits.
     bool limbs_were_wrong() const { return limbs_were_wrong_; }
 
-    // What the linear solves tell of themselves is not true enough: with edges of weight 10^5 the rounding of single
-    // precision is a residual.  From now on they look at the true one.
+    // The residuals that the linear solves report are not accurate: with edges of weight 10^5 the rounding of single
+    // precision is a residual. Later solves compute the true one.
     void check_solves() { checked_ = true; }
 
-    // Steps to the minimum itself, whatever the residual: what is left is the rounding to the unit.
+    // Steps to the minimum itself, whatever the residual: the remaining error is the rounding to the unit.
     hmf_status step_precisely() {
         Effort effort{};
         effort.loose = effort.tight = steering::precise_accuracy;
@@ -134,8 +133,8 @@ public:
         return HMF_OK;
     }
 
-    // Picks the vertices with a residual above this in the last look, those near zeros, and some rings around all of
-    // them, for a step of the part; false: they are more than this share of all.
+    // Picks the vertices with a residual above this value, those near zeros, and some rings around all of them, for a
+    // local step; false: they are more than this share of all.
     bool is_in_part(double residual, double share) {
         pick_near_zeros(0);
         for (uint32_t v = 0; v < model_.count; ++v)
@@ -150,7 +149,7 @@ public:
         return picked_.size() <= most;
     }
 
-    // One move for each zero whose residual in the last look is above this; false: none moves.
+    // One move for each zero whose residual is above this value; false: none moved.
     bool move_zeros(double residual) {
         bool moved = false;
         for (const uint32_t v : model_.resting) {
@@ -162,7 +161,7 @@ public:
     }
 
 private:
-    // The vertices within some rings of the zeros of the last look, nearest first, with their distances.
+    // The vertices within some rings of the zeros, nearest first, with their distances.
     void pick_near_zeros(uint32_t rings_around) {
         const Mesh& mesh = f_.mesh;
         picked_.clear();
@@ -181,7 +180,7 @@ private:
         grow_picked(rings_around);
     }
 
-    // By so many rings.
+    // By the given number of rings.
     void grow_picked(uint32_t rings_around) {
         for (size_t i = 0; i < picked_.size(); ++i) {
             const uint32_t v = picked_[i];
@@ -207,8 +206,8 @@ private:
             ++w_.statistics.linear_solves;
         }
         tight = model_.is_exact();
-        // On limbs that no loop goes around the values decay below the error of
-        // a loose solve: then it is continued, as long as there are fewer extrema for it.
+        // On limbs that no loop goes around, the values decay below the error of a loose solve. The solve is then
+        // continued as long as this reduces the number of extrema.
         const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::few_extrema_on_double : 0;
         uint64_t had = UINT64_MAX;
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
@@ -228,7 +227,7 @@ private:
             uint64_t extrema = step_.find_suspects();
             if (had == UINT64_MAX) limbs_were_wrong_ = extrema > few_extrema;
             if (extrema > few_extrema && !tight) {
-                // What came to rest at its bound bounds its neighbors: now from the beginning.
+                // Unknowns fixed at their bounds restrict their neighbors: start again from the unprojected solution.
                 step_.restore();
                 std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
                 set_bounded_values();

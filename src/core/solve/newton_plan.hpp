@@ -1,5 +1,5 @@
-// What Newton's method does on a level: how far it goes, how well each step is solved for, whether there is progress.
-// The numbers are those of steering.hpp.
+// The policy of Newton's method on a level: how far to reduce the residual, how accurately to solve for each step, and
+// when the level has stalled. The numbers are those of steering.hpp.
 #pragma once
 
 #include "solve.hpp"
@@ -7,24 +7,24 @@
 
 namespace hmf {
 
-// How well to solve for a step.
+// Accuracy of the solve for a step.
 struct Effort {
-    double loose;    // relative tolerance of a solve after which zeros move
-    double tight;    // and of one where they hardly do
-    double residual; // of [W] Eq. 4, with which any solve may stop; 0: none
-    bool go_on;      // to a tight solve, where the zeros stay
-    bool close;      // near the minimum: more effort for a whole step pays
-    bool part;       // only what Newton::is_in_part has picked moves
+    double loose;    // relative tolerance of a solve while zeros move
+    double tight;    // and once they hardly move
+    double residual; // residual of [W] Eq. 4 at which any solve may stop; 0: none
+    bool go_on;      // continue to a tight solve if the zeros stay
+    bool close;      // near the minimum: worth the cost of a whole step
+    bool part;       // only vertices picked by Newton::is_in_part move
 };
 
 // residual: before the step.  goal: the tolerance on the finest level.
 Effort effort_for(uint32_t round, double residual, double goal, bool finest);
 Effort effort_for_part(Effort effort);
 
-// Does a level get better?
+// Detects stalls of a level.
 class Progress {
 public:
-    // False: not for so many rounds.
+    // False: no progress for `patience` rounds.
     bool goes_on(double residual, double energy, uint32_t patience);
     void forget_least() { least_residual_ = least_energy_ = none; }
 
@@ -34,7 +34,7 @@ private:
     uint32_t without_ = 0;
 };
 
-// Is it the rounding that so many steps have not been enough?  Looked at once.
+// Tests once per level whether convergence is limited by quantization.
 struct UnitOfLevel {
     bool known;
     uint32_t patience = steering::patience; // less where the unit cannot be as fine as it should
@@ -42,8 +42,8 @@ struct UnitOfLevel {
     bool is_refined(LevelWork& work, double goal, Progress& progress);
 };
 
-// Steps of a part, between those of the whole level: zeros that have far to go through a limb, where values fall by
-// decades, and what they leave behind, for which the rest of the mesh has nothing to do.
+// Local steps between those of the whole level, for zeros that move far along a limb, where values decay by orders of
+// magnitude, and for the residual that they leave: the rest of the mesh has already converged.
 struct Parts {
     uint32_t in_a_row = 0, shortened = 0;
     double before = 0; // residual before the last step
@@ -52,18 +52,18 @@ struct Parts {
     void next(bool part) { in_a_row = part ? in_a_row + 1 : 0; }
 };
 
-// What a level asks of the method: minima on the last, starts for the next on the others.
+// The policy of a level: the minimum on the finest, a good start for the next level on the others.
 struct LevelPlan {
     bool finest, coarsest, middle, next_to_double, cheap = false;
     double goal;
     uint32_t rounds;
-    bool smooth_only; // long waves are left to other levels
-    // A torus without marks has no zeros, so one step is exact, wherever it starts: the levels in between
-    // only take apart what splits have left together.
+    bool smooth_only; // long waves are reduced on other levels
+    // A torus without marked vertices has no zeros, so one step is exact from any start: the levels in between only
+    // separate vertices that splits have left together.
     bool sweep_only;
 
     LevelPlan(const LevelWork& work, double tolerance);
-    // Its work counts.
+    // Its cost matters.
     bool is_long_coarsest() const { return coarsest && !finest && !cheap; }
 };
 

@@ -1,5 +1,5 @@
-// The equations of some unknowns alone, the others as they are: what changes there is
-// found at a part of the cost of a whole solve.  And the equations of all, where the multigrid of the level fails.
+// The equations of some unknowns, with all others fixed: a local solve costs less than one of the whole level. Also the
+// equations of all unknowns, for a direct solve if the multigrid of the level fails.
 #pragma once
 
 #include "../linear/sparse_factor.hpp"
@@ -11,15 +11,15 @@ enum class Solver { multigrid, direct };
 
 class PartSystem {
 public:
-    // The unknowns of the model whose number is not NONE, from model.d on; number: one per vertex, is changed.  Sets up
-    // the multigrid, or makes the factor, unless that would be too large.  with: one per vertex, or null; the vertex
-    // that v moves with, v or one that comes before it, from the same d.
+    // Extracts the unknowns of the model whose number is not NONE, starting from model.d; number: one per vertex, is
+    // changed. Sets up the multigrid, or computes the factor unless it would be too large. with: one per vertex, or
+    // null; the vertex that v moves with, v itself or an earlier one, starting from the same d.
     Done take(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
               const uint32_t* with = nullptr);
-    // Goes on from what it found last, and sets model.d of the unknowns.
+    // Continues from its last solution, and sets model.d of the unknowns.
     Done solve(TwistedModel& model, double accuracy, Call& call);
 
-    // Gives back what it holds.
+    // Frees its memory.
     void release() { *this = PartSystem(); }
 
 private:
@@ -28,7 +28,7 @@ private:
         return {static_cast<uint32_t>(d_.size()), offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
     }
 
-    SignedMultigrid multigrid_;      // its own, so that of the whole level lasts
+    SignedMultigrid multigrid_;      // separate from that of the whole level, which stays valid
     SparseFactor factor_;            // instead
     Array<uint32_t> first_, vertex_; // unknown i is that of vertex_[first_[i]] .. vertex_[first_[i + 1] - 1]
     Array<uint32_t> offset_, column_;

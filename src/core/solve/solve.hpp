@@ -13,8 +13,7 @@ constexpr int64_t largest_inner_value = int64_t{1} << 59;
 // The height of a cylinder; leaves are counted in half units.
 constexpr int64_t largest_height = int64_t{1} << 60;
 
-// Those of the caller, with their defaults in place, so that a new one is at hand in
-// every stage; and what is the library's own.
+// The options of the caller with their defaults, available in every stage, and options of the library itself.
 struct SolveOptions : hmf_solve_options {
     // cppcheck-suppress uninitDerivedMemberVar
     SolveOptions() : hmf_solve_options() {
@@ -25,10 +24,10 @@ struct SolveOptions : hmf_solve_options {
 
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
-    bool guarded = false;                     // goes no further where a step would leave the class; needs a ClassWatch
+    bool guarded = false;                     // stops if every step would leave the class; needs a ClassWatch
 };
 
-// What a method knows of the foliation as it leaves it.
+// Measures of the foliation at the end of a method.
 struct Certificate {
     bool known;
     double energy; // in units
@@ -36,10 +35,10 @@ struct Certificate {
     bool fractional = false; // with Recorder::fraction
 };
 
-// Keeps the report of a solve, its unit, and what the last level knew.
+// Collects the report of a solve, its unit, and the measures of the last level.
 class Recorder {
 public:
-    // wanted: with rows for levels and events; else it only carries the unit.
+    // wanted: with rows for levels and events; otherwise only the unit is tracked.
     Recorder(bool wanted, Call& call, double unit) : report{}, wanted_(wanted), call_(call), unit_(unit) {
         levels.start(call.memory);
         history.start(call.memory);
@@ -62,9 +61,9 @@ private:
     double unit_;
 };
 
-// The unit of the values against a residual.
+// Outcome of adapting the unit of the values to a residual.
 struct Fineness {
-    bool changed; // the unit is another one now
+    bool changed; // the unit has changed
     bool enough;  // rounding is no longer in the way
 };
 
@@ -85,16 +84,15 @@ struct LevelWork {
     Done prepare();
     // Between two passes over the mesh; false: cancelled or asked to finish.
     Done go_on() { return call.tick(0, true) && !call.finishing(); }
-    // Makes the unit so fine that rounding leaves half of this residual at most, or as
-    // fine as options.largest_value lets it.
+    // Refines the unit until rounding causes at most half of this residual, or as far as options.largest_value allows.
     Fineness refine_unit(double residual);
     Done record(uint32_t kind, double energy_units, double residual_max) {
         return recorder.event(state.level, kind, energy_units, residual_max);
     }
 };
 
-// Of a stage that is not Done: no memory, or cancelled or finishing.  The sentence
-// comes at the end of the solve, which knows how far it came.
+// Status of a stage that is not Done: out of memory, or cancelled or finishing. The message is written at the end of
+// the solve.
 inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.out_of_memory() : HMF_CANCELLED; }
 
 // Methods on one level: HMF_OK when converged to the tolerance, HMF_LIMIT_*,
@@ -102,7 +100,7 @@ inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.
 [[nodiscard]] hmf_status whitehead_level(LevelWork& work, double tolerance);
 [[nodiscard]] hmf_status newton_level(LevelWork& work, double tolerance);
 
-// Nothing moves any more.  Where it is because a unit is too much, fractions of it reach the goal; else
+// Called when no step helps. If quantization is the reason, fractions of a unit reach the goal; otherwise
 // HMF_LIMIT_STALLED.
 [[nodiscard]] hmf_status end_beyond_rounding(LevelWork& work, double goal);
 

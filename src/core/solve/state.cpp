@@ -43,8 +43,8 @@ void State::share(const Mesh& same) {
     copy_.release();
 }
 
-// Flips change values by the mesh, one after the other.  Splits ask for nothing but numbers of edges, so the mesh
-// after them is the one that the hierarchy keeps.
+// Flips change values using the mesh, one after the other. Splits need only edge numbers, so the mesh after them can be
+// the one that the hierarchy keeps.
 Done State::refine(Call& call) {
     const Level& finer = hierarchy->levels[level - 1];
     if (finer.flip_end > finer.flip_begin && !own(call)) return false;

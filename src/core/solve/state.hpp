@@ -11,7 +11,7 @@ namespace hmf {
 // Which triangulation of a level: level 0 has two.
 enum class Triangulation : uint8_t { input, intrinsic };
 
-// Told of the changes that State::refine and State::to_intrinsic make to the mesh, one call after each.
+// Notified of the changes that State::refine and State::to_intrinsic make to the mesh, after each change.
 struct MeshListener {
     void* user;
     // The edge was flipped, or a flip of it reversed.

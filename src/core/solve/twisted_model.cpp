@@ -325,7 +325,7 @@ bool TwistedModel::clip(uint32_t k) {
     return true;
 }
 
-// Vertex k stops at its bound; its neighbors get theirs: F - s_k d_k - s d >= 0.
+// Vertex k stops at its bound. The bounds of its neighbors follow: F - s_k d_k - s d >= 0.
 void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
     const int64_t at = at_bound(k) ? bound_at(k) : static_cast<int64_t>(d[k]);
     for (uint32_t t = rings.offset[k]; t < rings.offset[k + 1]; ++t) {
@@ -350,7 +350,7 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
             patch.add(other);
         }
     }
-    // Fewer sweeps where the patch is most of the mesh: so many steps for each vertex.
+    // Fewer sweeps if the patch is most of the mesh: a fixed number of steps for each vertex.
     constexpr size_t most_sweeps = 24, least_sweeps = 6, steps_per_vertex = 8;
     const size_t affordable = std::max(least_sweeps, steps_per_vertex * count / (patch.size() + 1));
     for (size_t s = 0, sweeps = std::min(most_sweeps, affordable); s < sweeps; ++s)

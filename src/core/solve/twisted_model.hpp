@@ -1,5 +1,4 @@
-// The quadratic model of the direct method: the energy with the signs of the
-// local potentials frozen.
+// The quadratic model of the direct method: the energy for fixed signs of the local potentials.
 //
 // At a regular cluster (two directions, index 0) one direction is called +
 // and the other -; half-edge h has the sign s_h of the direction it leaves in.
@@ -52,8 +51,8 @@ struct TwistedModel {
 
     Done allocate(const Mesh& mesh, Memory& memory, const Parallel& parallel = Parallel());
     // Signs, right side, zeros, energy and residual of the current foliation.
-    // Which direction is called + is free: the one that was, as far as the
-    // pulls agree, so that the matrix hardly changes between the zeros.
+    // The choice of the + direction is free. The previous one is kept if the pulls agree with it, so that the matrix
+    // hardly changes away from the zeros.
     Done look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
     // Matrix and bounds, after look().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
@@ -67,12 +66,11 @@ struct TwistedModel {
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
-    // The unknowns at a bound keep their value while the others are solved for.
+    // Fixes the unknowns at a bound while the others are solved for.
     void fix_active();
-    // Of those, the ones that want to leave their bound do so; true: there were any.
+    // Releases those of them whose gradient points away from the bound; true: there were any.
     bool release();
-    // Keeps the vertices within some rings of those where they are, and lets the
-    // others take that over.
+    // Fixes the vertices within some rings of the given ones, and adapts the bounds of the others.
     void freeze(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
                 Array<uint32_t>& patch, Array<uint32_t>& distance);
     // New value of d_v from its neighbors, within the bounds.
@@ -92,7 +90,7 @@ private:
             if (r > max) max = r;
         }
     };
-    // Which vertices a look is to do: of regular ones without a tripod nothing is listed, so blocks can do them.
+    // Which vertices a pass visits: regular ones without a tripod add nothing to the lists, so blocks can process them.
     enum class Kind : uint8_t { regular, any };
     bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor,
                               Kind kind, Residuals& residuals);

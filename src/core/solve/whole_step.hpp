@@ -2,8 +2,9 @@
 //
 //     F'_ij = | F_ij - s_ij d_i - s_ji d_j |        d rounded to whole units
 //
-// and what has to hold after it: triangles are closed, no vertex is an extremum, and every zero is where it was or at
-// the branch point of its triangle.  Extrema that come of rounding or of a loose solve are settled by moves.
+// with the conditions that have to hold after it: triangles are closed, no vertex is an extremum, and every zero is
+// where it was or at the branch point of its triangle. Extrema caused by rounding or by a loose solve are removed by
+// moves.
 #pragma once
 
 #include "solve.hpp"
@@ -18,12 +19,12 @@ public:
         model_(model) {}
     Done allocate();
 
-    // Keeps the values, from which the step begins.
+    // Saves the values before the step.
     void begin();
     void restore();
     // The values after the step, times a factor.
     void set_values(double factor);
-    // From the values before to those now, without the cancellation of two energies.
+    // Of the step, computed without the cancellation of two energies.
     double energy_change() const;
     // The step makes the value of h change its sign.
     bool reverses(uint32_t h) const {
@@ -33,16 +34,14 @@ public:
              < 0;
     }
 
-    // Collects the vertices that are not as regular, or as singular, as before the step: the suspects.  Returns the
-    // number of extrema.
+    // Collects the suspects: vertices whose regularity or singularity has changed. Returns the number of extrema.
     uint64_t find_suspects();
-    // Of the suspects those that nothing but a move can make sound.
+    // Lists the suspects that become sound only by a move.
     void list_unsound(Array<uint32_t>& unsound) const;
-    // Settles the extrema among the suspects; false if the step went too far.  patch: room for all vertices.
+    // Removes the extrema among the suspects by moves; false if the step went too far. patch: space for all vertices.
     bool settle(double factor, Array<uint32_t>& patch);
     // Every zero is where it was, or at the vertex that stopped at its branch
-    // point.  Anything else means that a zero and an extremum have come and
-    // gone in between, and with them perhaps the class.
+    // point.  Otherwise a zero and an extremum have appeared and vanished in between, and the class may have changed.
     bool zeros_are_in_place();
     // Vertex where the last of these failed; NONE: not yet.
     uint32_t too_far() const { return too_far_; }
