@@ -14,9 +14,9 @@ struct SharedFlat : Kept {
     SharedFlat(const hmf_hierarchy& h, uint64_t used);
 };
 
-// What is kept with a foliation that is a minimum to 1e-8; out is NULL for
-// others, whose flat surface depends on how they are improved first.  Any
-// number of threads may ask: one result is kept, the others are freed.
+// The flat surface that is kept with a foliation whose residual is at most 1e-8; out is NULL for others, because their
+// flat surface depends on how they are improved first. Any number of threads may call this: one result is kept, the
+// others are freed.
 [[nodiscard]] hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out);
 
 } // namespace hmf

@@ -37,7 +37,7 @@ struct Leaves {
     const uint32_t* faces = nullptr;
     Cylinders cylinders;
 
-    // reflection: filled on level 0 of a double, whose clusters on the boundary are then taken apart; NULL: not wanted.
+    // reflection: filled on level 0 of a double, whose clusters on the boundary are then divided; NULL: not needed.
     [[nodiscard]] hmf_status load(const hmf_foliation& f, Call& call, Reflection* reflection = nullptr);
 };
 

@@ -85,8 +85,8 @@ public:
         key_[t] = key_of(dilatation);
         area_[t] = area;
     }
-    // The dilatation that so much area is above, as a float: its bits are found from
-    // the highest on, eight at a time, by the areas of those that share the bits before.
+    // The dilatation exceeded on the given area, as a float: its bits are determined from the highest on, eight at a
+    // time, by the areas of the triangles that share the bits found so far.
     double above(double area) const {
         uint32_t found = 0;
         for (uint32_t shift = 32; shift > 0;) {

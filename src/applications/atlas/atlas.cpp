@@ -88,7 +88,7 @@ private:
         return HMF_OK;
     }
 
-    // The side of a rough packing tells the margin in units.
+    // The side of a rough packing gives the margin in units.
     hmf_status find_margin(double& margin) {
         margin = pieces_.margin * GRID * 1.12;
         for (const Box& b : box_) widest_ = std::max(widest_, std::max(b.u1 - b.u0, b.v1 - b.v0));

@@ -57,7 +57,7 @@ Done ChartLayout::place_faces() {
     return true;
 }
 
-// From the frame of the triangle of h to that of the one beyond, such that both meet along h.
+// From the frame of the triangle of h to that of the triangle beyond, such that both meet along h.
 Motion ChartLayout::over(uint32_t h) const {
     const uint32_t g = twin(h), n_h = pieces_.mesh.next[h], n_g = pieces_.mesh.next[g];
     const bool same = grid_.x[n_h] - grid_.x[h] == grid_.x[g] - grid_.x[n_g]
@@ -142,7 +142,7 @@ Done ChartLayout::find_islands() {
     return true;
 }
 
-// Islands of so many triangles become charts.
+// Islands of at least this many triangles become charts.
 Done ChartLayout::found_charts(uint32_t enough) {
     const uint32_t n = pieces_.mesh.face_count;
     for (uint32_t t = 0; t < n; ++t)
@@ -177,7 +177,7 @@ Done ChartLayout::find_ways(Array<uint32_t>& way) const {
     return true;
 }
 
-// What is not joined to the largest part of its chart goes to a neighbor or, if it is large, becomes a chart.
+// Islands apart from the largest one of their chart go to a neighbor or, if they are large, become charts.
 Done ChartLayout::gather() {
     const uint32_t n = pieces_.mesh.face_count;
     Array<uint32_t> way;
@@ -229,7 +229,7 @@ Done ChartLayout::number_charts() {
     return true;
 }
 
-// To a grid, each chart with the scale that areas in space ask for.
+// To a grid, each chart with the scale that makes its area proportional to that in space.
 Done ChartLayout::scale_to_grid() {
     const uint32_t n = grid_.chart_count;
     Array<double> area, image, to_grid;
@@ -288,8 +288,8 @@ void ChartLayout::lay_as_in_space(uint32_t t) {
     grid_.y[p] = put(height);
 }
 
-// Triangles that overlap go over to a neighbor where they do not, those that are turned over with the shape that
-// they have in space, flatter if there is no room for it; if there is none at all, they become charts of their own.
+// Overlapping triangles move to a neighbor where they overlap nothing. Inverted ones get the shape that they have in
+// space, flattened if there is no space for it. If there is none at all, they become charts of their own.
 Done ChartLayout::take_overlaps_out() {
     Array<uint8_t> bad;
     if (!turn_back(pieces_.mesh, pieces_.side, grid_, call_)
@@ -313,7 +313,7 @@ Done ChartLayout::take_overlaps_out() {
     return separate() && dissolve_small();
 }
 
-// Charts of a few triangles, which those between them and theirs have left, go over to neighbors.
+// Charts of a few triangles, all of whose other neighbors have left, are merged into neighboring charts.
 Done ChartLayout::dissolve_small() {
     const uint32_t n = static_cast<uint32_t>(pieces_.side.size());
     Array<uint32_t> count;

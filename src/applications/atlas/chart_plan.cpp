@@ -98,7 +98,7 @@ double ChartPlan::scale_of(double area, double image) const {
     return image > 0 ? std::sqrt(area / pieces_.whole_area * 2 * pieces_.whole / image) : 1;
 }
 
-// What a packing is worth: room in the square, and few charts.
+// The value of a packing: the covered part of the square, and few charts.
 double ChartPlan::cost_of(double side, size_t charts) const {
     const double use = pieces_.whole / (side * side);
     return std::max(0.0, WISHED_USE - use) + MUCH_LONGER * std::max(0.0, LEAST_USE - use)
@@ -187,7 +187,7 @@ uint32_t ChartPlan::next_shorter(uint32_t last) const {
     return longest;
 }
 
-// Cuts across it, with what a rough packing is worth.
+// Cuts across the chart, with the value of a rough packing.
 hmf_status ChartPlan::try_cuts(uint32_t part, Array<Cut>& cuts) {
     const ChartPart whole = parts[part];
     const Box& box = whole.box;
@@ -215,7 +215,7 @@ hmf_status ChartPlan::try_cut(uint64_t effort, Cut& cut) {
     return HMF_OK;
 }
 
-// The best of those that are best in rough packings, if it is better than `best`.
+// The best of the cuts that are best in rough packings, if it is better than `best`.
 hmf_status ChartPlan::choose_cut(Array<Cut>& cuts, Cut& best) {
     heap_sort(cuts.data(), cuts.size(), [](const Cut& a, const Cut& b) {
         if (a.cost != b.cost) return a.cost < b.cost;
@@ -254,7 +254,7 @@ hmf_status ChartPlan::cut_charts(double& cost) {
     return HMF_OK;
 }
 
-// What the ways to join are worth without cuts, the best first.
+// The values of the joins without cuts, best first.
 hmf_status ChartPlan::try_joins(Array<Join>& joins) {
     const double size = std::sqrt(pieces_.whole), rim = pieces_.triangle / 2 + pieces_.margin * size;
     joins.start(call_.memory);

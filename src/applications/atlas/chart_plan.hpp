@@ -26,12 +26,12 @@ private:
     struct FaceInChart {
         double u, v, area, image;
     };
-    // A way to join pieces, and what it is worth.
+    // A join of pieces, and its value.
     struct Join {
         JoinWish wish;
         double cost;
     };
-    // A cut of a part, and what the packing is worth with it.
+    // A cut of a part, and the value of the packing with it.
     struct Cut {
         uint32_t part = NONE;
         bool in_u = false;

@@ -16,7 +16,7 @@ void Box::add(const Box& other) {
 
 namespace {
 
-// Adds up neighbors in a sorted list that are the same but for what is added.
+// Adds up neighbors in a sorted list that differ only in the summed value.
 template <class T, class Same, class Add>
 void merge_same(Array<T>& list, Same same, Add add) {
     size_t kept = 0;
@@ -182,7 +182,7 @@ Done Charts::list_candidates() {
     return true;
 }
 
-// Those that save more seam than they waste room, the best first.
+// Joins that save more seam than they waste space, best first.
 void Charts::keep_worthwhile(const JoinWish& wish, double whole) {
     size_t kept = 0;
     for (Candidate c : candidates_) {

@@ -18,17 +18,17 @@ int64_t grid_area(const Mesh& mesh, const GridLayout& layout, uint32_t h);
 // Corners of both triangles next to edge e coincide.
 bool is_joined(const Mesh& mesh, const GridLayout& layout, uint32_t e);
 
-// Moves vertices inside of charts with a triangle that is turned over to the middle of
-// their neighbors, where that makes the least area around them larger.
+// Moves interior vertices of inverted triangles to the center of their neighbors, if that increases the least area
+// around them.
 Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout, Call& call);
 
-// Triangles that are turned over, or overlap another one of their chart, get a 1 in `bad`:
-// without them none does.  Those smaller than `speck` are not looked at.  side: a half-edge of each face.
+// Sets `bad` to 1 for triangles that are inverted or overlap another one of their chart; the others do not overlap.
+// Triangles smaller than `speck` are not tested.  side: a half-edge of each face.
 Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayout& layout, int64_t speck,
                    Array<uint8_t>& bad, Call& call);
 
-// Lays a triangle next to one of its neighbors where it overlaps nothing, if there is such a place; `bad` ones are not
-// there.  flatter: its height over the side, as a part of what it is.
+// Places a triangle next to one of its neighbors where it overlaps nothing, if possible; `bad` triangles are ignored.
+// flatter: its height over the side, as a part of what it is.
 bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>& bad, uint32_t face, double flatter,
              GridLayout& layout);
 

@@ -257,7 +257,7 @@ private:
         return true;
     }
 
-    // What no strip has reached goes with a neighbor.
+    // A triangle that no strip has reached goes with a neighbor.
     Done take_the_rest() {
         uint32_t size = 0;
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)

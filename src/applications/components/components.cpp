@@ -38,8 +38,8 @@ hmf_status join_corners(const ComponentCorners& corners, size_t vertex_count, Ca
     return HMF_OK;
 }
 
-// is_first: of each side, whether its edge appears there first.  Sides are looked at by their lower vertex, each list
-// in their order.
+// is_first: of each side, whether its edge appears there first. Sides are visited by their lower vertex, each list in
+// order.
 hmf_status find_first_sides(const ComponentCorners& corners, size_t vertex_count, Call& call,
                             Array<uint8_t>& is_first) {
     Array<uint32_t> end, bucket, seen; // seen: the lower vertex that a higher one was met with last

@@ -1,5 +1,4 @@
-// What belongs to a cylinder at the minimum: circumference, modulus, area, and
-// the loop whose class it fills.
+// Measures of a cylinder at the minimum: circumference, modulus, area, and the loop of its class.
 //
 // Cylinders of the caller's side, of the side where the foliation is solved, and
 // loops are told apart by their free homotopy classes (curve_classes.hpp), with

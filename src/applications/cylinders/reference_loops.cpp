@@ -101,7 +101,7 @@ hmf_status reference_loops(const hmf_hierarchy& h, size_t level, int32_t kind, C
     const size_t search = search_level(h);
     const bool is_own = is_reference(h);
     if (is_own && level <= search) return library_loops(h, level, kind, call, out);
-    Call part(&call); // who asks to finish wants a result, and there is none without loops
+    Call part(&call); // HMF_PROGRESS_FINISH is ignored here: there is no partial result without loops
     const auto failed = [&] {
         if (call.cancelled()) return call.was_cancelled();
         if (call.memory.failure()) return call.out_of_memory();

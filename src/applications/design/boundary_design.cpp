@@ -28,7 +28,7 @@ struct SurfaceClass {
     }
 };
 
-// Those with a weight.
+// Loops with a weight above 0.
 Done keep_boundary_loops(const FoundLoops& found, const Array<double>& weights, Memory& memory, Array<double>& kept,
                          FoundLoops& loops) {
     loops.offsets.start(memory);
@@ -76,8 +76,9 @@ hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const 
     return keep_boundary_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
 }
 
-// Are poles at the ends of limbs, of the surface or of a flat piece, better?  inside: those off the boundary alone, for
-// a boundary curve with one marked vertex is a part that carries no quads.  bare: the one in out has such a part.
+// Tests whether poles at the ends of limbs, of the surface or of a flat piece, reduce the distortion. inside: only
+// those off the boundary, because a boundary curve with one marked vertex is a part that carries no quads. bare: the
+// design in out has such a part.
 class LimbTrial {
 public:
     LimbTrial(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,

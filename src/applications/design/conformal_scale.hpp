@@ -15,7 +15,8 @@ struct ConformalScale {
     Array<double> area;      // per face, shares of the whole: their sum is 1
     double mean = 0;         // of log_scale over the surface
 
-    // position: of a level, whose largest coordinate is from 1e-30 to 1e30: fourth powers are harmless.  value: per
+    // position: of a level, whose largest coordinate is from 1e-30 to 1e30: fourth powers neither overflow nor
+    // underflow.  value: per
     // edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest or less, that counts.
     // A tripod has the gradient that its energy stands for.
     Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory,

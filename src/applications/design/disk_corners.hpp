@@ -1,4 +1,4 @@
-// Marked vertices for a disk whose owner names none.
+// Marked vertices for a disk if the caller has chosen none.
 #pragma once
 
 #include "../../core/hierarchy/hierarchy.hpp"

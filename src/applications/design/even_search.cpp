@@ -6,11 +6,11 @@
 //     |  body     limb   )     .    rim of a blunt one (pi + pi: a flat cap), none
 //      \____/-----------        .   where there is curvature enough
 //
-// Tips are the persistent minima of log |grad u|, smoothed.  What is best for
-// each is tried, one tip after the other; the loops are the pants loops of the
-// surface with its marked vertices, as quickly found (the shortest ones took most of
-// the time, and were less even: unevenness of botijo .40 instead of .30), and the weights those that make the scale
-// as even as it gets (Gauss-Newton, marked_trial.hpp).
+// Tips are the persistent minima of log |grad u|, smoothed. The alternatives are tried at one tip after the other; the
+// loops are the pants loops of the
+// surface with its marked vertices, found by the fast search (the shortest loops took most of the time and gave a
+// higher distortion: .40 instead of .30 on botijo). The weights minimize the distortion (Gauss-Newton,
+// marked_trial.hpp).
 #include "even_search.hpp"
 
 #include "../../core/base/disjoint_sets.hpp"
@@ -293,7 +293,7 @@ Done EvenSearch::add_tips(const Array<Tip>& found, size_t with_poles, size_t roo
 
 // Adds and removes poles.
 hmf_status EvenSearch::improve(double persistence, EvenChoice& best) {
-    // All new tips at once, or the deepest half of them, a quarter..., as often as that helps.
+    // All new tips together, then the deepest half of them, a quarter..., as long as that helps.
     for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
         Array<Tip> found;
         if (!find_tips(best, persistence, found)) return call_.out_of_memory();

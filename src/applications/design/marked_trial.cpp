@@ -6,7 +6,7 @@
 //
 // and d minimizes the energy: one linear solve for each loop, all with the same
 // matrix.  What follows for the log scale of a triangle is exact but for the
-// zeros, which rest.
+// zeros, which are fixed.
 #include "marked_trial.hpp"
 
 #include "../../core/base/nearest_first.hpp"
@@ -27,7 +27,7 @@ constexpr int64_t LARGEST = int64_t{1} << 40; // weight in integers
 constexpr double LEAST_GUESS = 0.02;          // of a weight, where the largest is 1
 constexpr double LINEAR_ACCURACY = 1e-2;
 constexpr uint32_t LINEAR_ITERATIONS = 12;
-constexpr double STEEPEST = 8; // derivative that is believed
+constexpr double STEEPEST = 8; // largest derivative that is used
 
 // Twice the area of the face left of h.
 double twice_area(const Mesh& mesh, const double* position, uint32_t h) {
@@ -244,7 +244,7 @@ Done MarkedTrial::linearize(Linearized& at) {
     Star star;
     if (!at.rings.build(mesh, weight, call_.memory) || !star.allocate(call_.memory, at.rings.max_degree)
         || !at.model.allocate(mesh, call_.memory, call_.parallel) || !at.right.allocate(call_.memory, mesh.vertex_count)
-        || !at.change.allocate(call_.memory, mesh.edge_count) || !at.model.look(f, at.rings, weight, star, call_))
+        || !at.change.allocate(call_.memory, mesh.edge_count) || !at.model.linearize(f, at.rings, weight, star, call_))
         return false;
     at.model.assemble(f, at.rings, weight, call_);
     return !call_.cancelled() && at.multigrid.setup(at.model.matrix(), call_.memory, &call_);
@@ -291,7 +291,7 @@ Done MarkedTrial::change_values(const uint32_t* crossed, size_t count, Linearize
         for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) at.right[mesh.origin[h]] += model.sign[h] * weight[e];
     }
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        if (model.rests[v]) at.right[v] = 0;
+        if (model.is_fixed[v]) at.right[v] = 0;
         model.d[v] = 0;
     }
     at.multigrid.solve(model.matrix(), at.right.data(), model.d.data(), LINEAR_ACCURACY, LINEAR_ITERATIONS, call_);
@@ -367,7 +367,7 @@ hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
             sum += centered[t] * (scale_.log_scale[t] - scale_mean);
         }
         step[c] = -sum;
-        // Four sums at once: each addition to one sum has to wait for the one before.
+        // Four sums: an addition to one sum depends on the previous one, so four run in parallel.
         for (size_t d = 0; d <= c; d += 4) {
             const size_t together = c + 1 - d < 4 ? c + 1 - d : 4;
             const double* y[4];

@@ -43,7 +43,7 @@ public:
     Suggestion(const Mesh& mesh, const double* position, size_t most, Call& call) :
         mesh_(mesh), call_(call), memory_(call.memory), distances_(mesh, position, call.memory), most_(most) {}
 
-    // Pairs at the tips that are taken, where both ends are; at least so many marks.
+    // Pairs at the tips that are used, if both ends exist; at least this many marks.
     template <class Takes, class TakesEnd>
     Done find(const Takes& takes, const TakesEnd& takes_end, size_t least, Array<uint32_t>& marks) {
         marks.start(memory_);
@@ -72,7 +72,7 @@ public:
 
     const Array<MarkTip>& tips() const { return tips_; }
 
-    // The ends of a diameter of the disk around the tip, where there is one.
+    // The ends of a diameter of the disk around the tip, if there is one.
     Done add_pair(uint32_t tip, Array<uint32_t>& marks) {
         uint32_t ends[2];
         return distances_.diameter(tip, DISK, used_.data(), ends) && add(ends[0], marks) && add(ends[1], marks);

@@ -1,4 +1,4 @@
-// Marked vertices for a sphere whose owner names none.
+// Marked vertices for a sphere if the caller has chosen none.
 #pragma once
 
 #include "../../core/hierarchy/hierarchy.hpp"

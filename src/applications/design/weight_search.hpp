@@ -27,8 +27,8 @@ public:
     [[nodiscard]] hmf_status run(const LoopsOfDouble& loops, uint64_t solves, Array<double>& weights,
                                  double& unevenness);
 
-    // Loops that were left out get the weight 1 where, on the finest level, a part without them would carry no quads.
-    // bare: there is such a part even so.
+    // Loops that were left out get the weight 1 if, on the finest level, a part without them would carry no quads.
+    // bare: there is such a part nevertheless.
     [[nodiscard]] hmf_status keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
                                               bool& bare);
 

@@ -20,7 +20,7 @@ hmf_status to_whole_numbers(double exact, double across, Call& call, Array<doubl
                             Measure measure) {
     constexpr double STRIPES = 44; // along the diagonal of the box
     constexpr double STRETCH[3] = {1, 0.87, 1.15};
-    const double enough = 1.08 * exact + 0.01; // mostly reached at once
+    const double enough = 1.08 * exact + 0.01; // usually reached in the first round
     constexpr int FINEST = 16;
     Array<double> rounded;
     if (!rounded.allocate(call.memory, weights.size())) return call.out_of_memory();

@@ -1,7 +1,6 @@
 // Conjugate leaves.  |dv| is a foliation as exact as F, all of whose triangles
 // are flat, and its leaves are followed in the same way; but they need not
-// close.  How far a leaf has come across a cylinder is told by u, which is
-// linear in each triangle and monotone along the leaf.
+// close.  The progress of a leaf across a cylinder is u, which is linear in each triangle and monotone along the leaf.
 #include "conjugate_lines.hpp"
 
 #include <cmath>
@@ -46,9 +45,8 @@ public:
         lines_(lines), g_(g), du_(du), position_(position),
         crossing_limit_(64 * uint64_t{g.mesh.edge_count} + (uint64_t{1} << 20)), call_(call) {}
 
-    // The points behind c, until u has changed by `room`, a zero is met or the
-    // line is too long; length counts on.  skip: the line begins in the triangle
-    // behind c, where u has changed by so much.
+    // The points after c, until u has changed by `room`, a zero is met or the line is too long; length is accumulated.
+    // skip: the line begins in the triangle after c, where u has changed by this much.
     hmf_status trace(Crossing c, double skip, double room, const CriticalGraph* graph, double& length, int32_t& end) {
         double before[3], point[3];
         point_at(g_, position_, c, before);

@@ -1,5 +1,4 @@
-// Which side a part of a line lies on is told by its ends: by an edge that is only
-// in front, or only behind.
+// The sheet of a part of a line follows from its ends: from an edge that lies only in front, or only behind.
 //
 //      front  \   /         Between two edges of the boundary (a triangle that has
 //     ---------o-o------    two) it is told by the part before or behind it, since
@@ -57,7 +56,7 @@ Done Cutter::find_boundary() {
     return true;
 }
 
-// Then its edge does not tell the side.
+// Then its edge does not determine the side.
 bool Cutter::is_at_boundary_vertex(size_t point) const {
     const uint32_t e = lines_.edges[point];
     for (size_t k = 0; k < 2; ++k) {
@@ -82,7 +81,7 @@ bool Cutter::changes_sides(size_t point) const {
     return e < h_.surface_edges && on_boundary_[e] && !is_at_boundary_vertex(point);
 }
 
-// What nothing tells counts as front: parts of the boundary itself.
+// Undetermined parts count as front: they are parts of the boundary itself.
 void Cutter::find_sheets(size_t first, size_t points, bool closed) {
     const size_t segments = closed ? points : points - 1;
     for (size_t i = 0; i < segments; ++i) {

@@ -1,4 +1,4 @@
-// Leaves as the caller asks for them (hmf_trace).
+// Leaves in the form of hmf_trace.
 #pragma once
 
 #include "../parameterize/flat_surface.hpp"

@@ -12,8 +12,8 @@
 //
 // so that turns around a vertex do not count, and turns around the strip do.  They
 // stay apart at a marked vertex, since loops must not be pulled over it.
-// A loop with a finger around some vertices comes back into the region where
-// the finger began: two copies of the strip are the same region of the cover,
+// A loop with a bigon around some vertices comes back into the region where
+// the bigon began: two copies of the strip are the same region of the cover,
 // and a link without length joins them.
 //
 // Links carry 0 or 1 turn; a shortest path from a copy to itself one turn on,

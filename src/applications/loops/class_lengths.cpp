@@ -305,7 +305,7 @@ Done ClassLengths::measure(bool& changed) {
     return true;
 }
 
-// Those that are at a stage, for the next one.
+// The classes at a stage, for the next stage.
 Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     const size_t finest = stage == Stage::found ? level_ : finest_;
     const Stage reached = finest == finest_ ? Stage::done : Stage::measured;
@@ -336,7 +336,7 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         if (!pulled.start(call_.memory)) return false;
         for (size_t k = 0; k < ids.size(); ++k) {
             Class& c = classes_[ids[k]];
-            // It starts from a curve that is the shortest but for small bumps.
+            // Starts from a curve that is the shortest up to small bumps.
             if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), false, c)) return false;
             if (last) continue;
             bool simple = false;

@@ -31,7 +31,7 @@ namespace hmf {
 
 class ClassLengths {
 public:
-    // Loops on level `found` of a hierarchy, or on a mesh alone, where they are measured at once.
+    // Loops on level `found` of a hierarchy, or on a mesh alone, where they are measured immediately.
     ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care = LoopCare::shortest);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
@@ -41,8 +41,7 @@ public:
     // Looks on both sides of the curves that may be the shortest of these, for a shorter one of the class.
     Done look_beside(const uint32_t* ids, size_t n);
 
-    // Which of these is the shortest, as far as is known.  Those that may be
-    // shorter once they are measured are noted.  n > 0.
+    // The shortest of these, as far as is known. Classes that may turn out shorter once measured are recorded. n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
     // It is noted.
     void want(uint32_t id) {

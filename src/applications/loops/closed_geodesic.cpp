@@ -324,8 +324,8 @@ double ClosedGeodesic::share_at(Point from, Point to, size_t portal) const {
     return crossed_at(next > 0 ? corner(next - 1) : from, next < bend_.size() ? corner(next) : to, portal_[portal]);
 }
 
-// A point of the curve half a period after the one that is held, on a crossing that stays; if none
-// does, a vertex that the strip goes round now.
+// A point of the curve half a period after the fixed one, on a crossing that stays; if there is none, a vertex that the
+// strip goes around.
 ClosedGeodesic::Held ClosedGeodesic::held_next(const uint32_t* loop, size_t n, Point from, Point to) const {
     for (size_t away = 0; away <= n / 2; ++away)
         for (const size_t portal : {n / 2 - away, n / 2 + away})

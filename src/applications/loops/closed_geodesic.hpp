@@ -10,8 +10,8 @@
 //                                  find geodesic paths in triangle meshes by just flipping
 //                                  edges, 2020).
 //
-// Until nothing changes; first with a point of the curve held, in turn on opposite sides, for
-// which one period of the strip will do, then through three of them.  A marked vertex stays on
+// Repeated until nothing changes: first with a fixed point of the curve, alternately on opposite sides, for which one
+// period of the strip suffices, then through three periods.  A marked vertex stays on
 // its side.
 //
 // A surface with bumps has several closed geodesics in a class.  So the strip is

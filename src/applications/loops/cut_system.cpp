@@ -35,18 +35,19 @@ namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
-constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
+constexpr double ROOTS = 1.15; // no search if all its loops are longer than the best one by this factor
 // Of many handles some are so narrow that strips around them are half as long again as they should be, or one twice as
 // long.  That one comes last, and its search reaches further, and leaves out less.
 constexpr uint32_t MANY_CUT_HANDLES = 10;
 constexpr double MANY_ROOTS = 1.5, CUT_FAR = 2.6, FAR_ROOTS = 2;
-constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
+constexpr double APART = 0.15;         // least distance from another search, in lengths of the best loop
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops that are left
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
-constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
+constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor are left to the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
-constexpr double POLISH = 6;           // starved searches around a loop end at so many times the work of the others
-constexpr double HOPELESS = 32;        // so many times the work of the others, and no loop: it ends
+// Searches around a loop that exhaust their budget end at this multiple of the work of the others.
+constexpr double POLISH = 6;
+constexpr double MOST_BUDGET = 32; // so many times the work of the others, and no loop: it ends
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t CUT_MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
 constexpr int MOST_ROUNDS = 8;           // of measuring and choosing again
@@ -139,7 +140,7 @@ private:
         is_far_ = k + 1 == genus && has_many_;
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
-        // Labels of a surface that meets itself may leave no loop without crossings, or only such as wind a lot.
+        // Labels of a surface that intersects itself may leave no simple loop, or only loops that wind many times.
         if (!found_ && condition_)
             return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
                               "No such loops were found: the surface meets itself, or they wind too much. Repair the "
@@ -199,7 +200,7 @@ private:
         return curves_.add(out_->crossings.data(), out_->crossings.size()) && open_batch();
     }
 
-    // What is left of a signature on the surface cut along the loops of the batch.
+    // The signature on the surface cut along the loops of the batch.
     uint64_t reduced(uint64_t signature) const {
         for (const uint64_t word : words_) signature = std::min(signature, signature ^ word);
         return signature;
@@ -410,7 +411,7 @@ private:
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
             if (!search_roots(allowed, complete)) return call_.stopped();
-            if (found_ || !search_.starved() || is_hopeless(allowed)
+            if (found_ || !search_.budget_exhausted() || exceeds_budget(allowed)
                 || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 break;
             // A loop that winds a lot needs more room in its covering.  Where short
@@ -421,11 +422,12 @@ private:
         }
         // Loops that meet themselves may have hidden others.
         if (!found_ && condition_ && (!all_roots() || !search_roots(allowed, complete))) return call_.stopped();
-        // Again from roots around the loop itself, until none of them gains.  A search that is starved gives no bounds,
+        // Again from roots around the loop itself, until none of them gains.  A search that exhausts its budget gives
+        // no bounds,
         // and the next one is as long: then only as far as the work allows.
         size_t eighth = 1;
         for (int i = 0; i < 24 && eighth < 8 && found_ && !complete; ++i) {
-            if (search_.starved() && static_cast<double>(search_.work()) >= POLISH * allowed) break;
+            if (search_.budget_exhausted() && static_cast<double>(search_.work()) >= POLISH * allowed) break;
             const double before = best_;
             const uint32_t root = cut_.region[loop_[loop_.size() * eighth / 8]];
             if (search_.bound(root) < best_ && !look_from(root)) return call_.stopped();
@@ -434,8 +436,8 @@ private:
         return HMF_OK;
     }
 
-    bool is_hopeless(double allowed) const {
-        return !found_ && static_cast<double>(search_.work() - work_before_) >= HOPELESS * allowed;
+    bool exceeds_budget(double allowed) const {
+        return !found_ && static_cast<double>(search_.work() - work_before_) >= MOST_BUDGET * allowed;
     }
 
     // complete: as far as the bounds allowed, each root was searched.
@@ -445,13 +447,14 @@ private:
             if (search_.bound(roots_[i].region) >= roots() * best_
                 || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
                 continue;
-            if (found_ ? static_cast<double>(search_.work()) >= allowed : is_hopeless(allowed)) return true;
-            if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
+            if (found_ ? static_cast<double>(search_.work()) >= allowed : exceeds_budget(allowed)) return true;
+            if (search_.budget_exhausted() && !found_ && i >= 4
+                && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 return true;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
             if (!look_from(roots_[i].region)) return false;
         }
-        complete = !search_.starved();
+        complete = !search_.budget_exhausted();
         return true;
     }
 

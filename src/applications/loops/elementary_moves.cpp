@@ -1,14 +1,14 @@
-// In passes.  Each curve is taken out, and its component (pants_component.hpp) searched for others; once none of
-// these is shorter, each two curves that bound a pair of pants together:
+// In passes. Each curve is removed, and its component (pants_component.hpp) searched for others. Once none of these is
+// shorter, the same is done for each two curves that bound a pair of pants together:
 //
 //     four holes              curves around two of them (hole_joins.hpp), cycles with two on each side
 //     one hole and a handle   cycles that do not separate (loop_search.hpp)
 //     two curves              one of these cycles, and others in the component cut along it; or curves round
 //                             different pairs of its holes
 //
-// Lengths where loops are found are too short by a tenth sometimes: the curves themselves are measured at once, and
-// classes that may be shorter.  Of the moves that shorten, those that gain most are made first, and none in a pair of
-// pants that another one has changed.  Then what has another component now is looked at again.  The sum of the
+// Lengths on the level of the search can be too short by a tenth, so the curves themselves are measured first, and
+// classes that may be shorter.  Of the shortening moves, those that gain most are made first, and none in a pair of
+// pants that another one has changed. Then the curves whose component has changed are searched again.  The sum of the
 // lengths falls with each move, so this ends.
 #include "elementary_moves.hpp"
 
@@ -71,7 +71,7 @@ private:
     struct Option { // a class for a curve
         uint32_t id;
         Strip strip;
-        uint32_t hole[2]; // that it goes round, or NONE
+        uint32_t hole[2]; // the marked vertex or hole that it goes around, or NONE
     };
     struct Move {
         uint32_t count; // one curve, or two
@@ -117,7 +117,7 @@ private:
     }
     double strip_length(uint32_t k) const { return strip_length(loops_.loop(k), loops_.length(k)); }
 
-    // Of the curves, or pairs, whose components are others than when they were looked at.
+    // The curves, or pairs, whose components have changed since they were searched.
     Done find_moves(bool in_pairs) {
         const uint32_t n = static_cast<uint32_t>(loops_.count());
         for (uint32_t k = 0; k < n; ++k) {
@@ -156,8 +156,8 @@ private:
         return true;
     }
 
-    // Cycles that are not around one hole: those that are short compared with the best one, a strip that is known, and
-    // those shorter than `wanted`.  One for each option.
+    // Cycles that are not around one hole: those short compared with the best one, a known strip, and those shorter
+    // than `wanted`. One for each option.
     Done find_cycles(const Component& component, LoopSearch& search, double best, double wanted, Array<Cycle>& cycles) {
         const CutSurface& cut = component.surface;
         found_.clear();
@@ -361,8 +361,8 @@ private:
         return true;
     }
 
-    // In a class with several closed geodesics a curve may lie beside another one than the shortest: then as it was
-    // pulled straight, with those that are in its way; else as it was found since.
+    // In a class with several closed geodesics a curve may lie beside one that is not the shortest: then it is replaced
+    // by its pulled curve, together with the curves that this crosses; otherwise by the curve found last.
     Done straighten() {
         for (uint32_t k = 0; k < loops_.count(); ++k) {
             if (!call_.tick(0, true)) return false;
@@ -377,7 +377,7 @@ private:
         return true;
     }
 
-    // Those that its pulled strip meets are pulled as well, and those that these meet, if all are disjoint then.
+    // The curves that its pulled strip meets are pulled as well, and so on, if all are disjoint afterwards.
     Done pull_with_others(uint32_t k, bool& done) {
         const size_t n = loops_.count();
         Array<uint32_t> pulled;

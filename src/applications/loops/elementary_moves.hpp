@@ -15,8 +15,7 @@
 //
 // Any two decompositions are joined by such moves.  Each curve becomes the shortest
 // of its component, and each two that bound a pair of pants together the shortest
-// two, until none changes: so an early tie in the choice of the curves decides no
-// longer which ones are left for the last.
+// two, until none changes: so an early tie in the choice of the curves does not determine the last ones.
 #pragma once
 
 #include "class_lengths.hpp"

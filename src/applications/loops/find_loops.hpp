@@ -19,9 +19,9 @@ class ClassLengths; // class_lengths.hpp
 // the lengths of the strips in which they are found.
 enum class LoopCare : uint8_t { shortest, quick };
 
-// Where loops are searched: where strips are nearly as short as the shortest one, or of many handles also where they
-// are half as long again.  Cut loops get hardly shorter by that, but which of equally long ones pants begin with no
-// longer depends on the order of the vertices.
+// Where loops are searched for: near the shortest strips or, for many handles, also where strips are half as long
+// again. This hardly shortens cut loops, but the choice among equally long ones with which pants begin does not depend
+// on the order of the vertices then.
 enum class RootReach : uint8_t { near, far };
 
 // genus many disjoint simple loops, jointly non-separating, each with the shortest

@@ -51,7 +51,7 @@ Number crossing_sum(const uint32_t* crossings, size_t n, const Number* chain) {
     return sum;
 }
 
-// Six times the volume, in any unit: its sign tells where the normals point.
+// Six times the volume, in any unit: its sign gives the direction of the normals.
 double signed_volume(const Mesh& mesh, const double* position) {
     double sum = 0;
     const double* const o = position;

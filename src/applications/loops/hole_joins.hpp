@@ -1,9 +1,9 @@
-// Curves around two holes of a planar surface, each along a short way between them:
+// Curves around two holes of a planar surface, each along a short path between them:
 //
 //        A ---- way ---- B        along A, over to B, along B and back
 //
-// The ways are those between the cells of the Voronoi diagram of the holes, one for
-// each piece of the border between two cells.  Curves round different holes are
+// The paths connect the cells of the Voronoi diagram of the holes, one for each piece of the border between two cells.
+// Curves round different holes are
 // disjoint: each lies in the cells of its own.
 #pragma once
 

@@ -1,6 +1,5 @@
-// Loops of the library: found on a coarse level, then carried to the
-// level that is asked for.  A search there would take 20 s on a million
-// triangles; carried loops are as short, as they are shortened on the way.
+// Loops of the library: found on a coarse level, then carried to the requested level. A search there would take 20 s on
+// a million triangles; carried loops are as short, because they are shortened on each level.
 #include "library_loops.hpp"
 
 #include "../../core/base/cyclic.hpp"
@@ -15,8 +14,8 @@ namespace hmf {
 
 namespace {
 
-// A coarser level is not the surface any more: handles are shorter there, or longer, by half.
-// Many handles are of different sizes, and the small ones have few of the vertices.
+// A coarser level does not represent the surface: handles are shorter or longer there by a half. Many handles have
+// different sizes, and the small ones get few of the vertices.
 constexpr uint64_t VERTICES_OF_HANDLE = 420, MANY_HANDLES = 10, MOST_VERTICES = 10000;
 
 hmf_status find_loops(const hmf_hierarchy& h, size_t found, int32_t kind, LoopCare care, Call& call, Loops& out) {

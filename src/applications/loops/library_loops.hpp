@@ -21,8 +21,8 @@ size_t search_level(const hmf_hierarchy& hierarchy);
 [[nodiscard]] hmf_status carry_to_finer(const hmf_hierarchy& hierarchy, size_t from, size_t level, Call& call,
                                         Loops& loops);
 
-// The face before each crossing, such that read_loops gives the loops back.
-// Where faces share several edges, the loops change within their classes.
+// The face before each crossing, in the form that read_loops accepts. If faces share several edges, the loops change
+// within their classes.
 [[nodiscard]] hmf_status name_by_triangles(const hmf_hierarchy& hierarchy, size_t level, Call& call, Loops& loops,
                                            Array<uint32_t>& faces);
 

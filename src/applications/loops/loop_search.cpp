@@ -13,7 +13,7 @@ Done LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     order_.start(memory);
     closings_.start(memory);
     epoch_ = 0;
-    starved_ = false;
+    budget_exhausted_ = false;
     size_t places = edge_label_ ? 2 : 0;
     for (table_shift_ = 63; edge_label_ && places < 2 * states; places *= 2) --table_shift_;
     if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0)
@@ -44,7 +44,7 @@ uint32_t LoopSearch::find_state(uint32_t region, uint64_t label, bool make) {
     }
     if (!make) return NONE;
     if (state_count_ == state_.size()) {
-        starved_ = starved_here_ = true;
+        budget_exhausted_ = exhausted_here_ = true;
         return NONE;
     }
     const uint32_t made = state_count_++;
@@ -61,12 +61,12 @@ Done LoopSearch::search(uint32_t root, double limit, double kept) {
     order_.clear();
     for (uint32_t s = 0; s < state_count_; ++s) table_[covered_[s].place] = NONE;
     state_count_ = 0;
-    starved_here_ = false;
+    exhausted_here_ = false;
     const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
     heap_.add(0, start); // at most one for each link
     closings_.clear();
-    double shortest = limit, reach = limit; // of what is found, and of what is looked for
+    double shortest = limit, reach = limit; // of the loops found, and of the loops searched for
     while (!heap_.empty()) {
         const uint32_t s = heap_.pop();
         if (settled(s)) continue;
@@ -106,10 +106,10 @@ Done LoopSearch::search(uint32_t root, double limit, double kept) {
     }
     for (const uint32_t s : order_) {
         double& nearest = nearest_root_[state_[s].region];
-        if (starved_here_ || !(state_[s].distance < nearest)) continue;
+        if (exhausted_here_ || !(state_[s].distance < nearest)) continue;
         nearest = state_[s].distance;
     }
-    if (!starved_here_)
+    if (!exhausted_here_)
         for (const uint32_t s : order_) raise_bound(state_[s].region, shortest - 2 * state_[s].distance);
     while (!closings_.empty() && closings_.back().length > reach) closings_.pop();
     return true;

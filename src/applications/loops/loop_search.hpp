@@ -5,13 +5,12 @@
 //     regions of triangles = nodes,  segments of edges = links.
 //
 // A link between two reached regions closes a cycle; the shortest with a
-// signature (signatures.hpp), with the way from the root to it and back, is the
-// answer, and for each other signature the shortest of those that are at most
-// SLACK times as long: lengths of strips are not those of the curves in them.
+// signature (signatures.hpp), with the way from the root to it and back, is the result, with the shortest loop of each
+// other signature that is at most SLACK times as long, because the length of a strip is not that of the curves in it.
 // With labels the search runs in the covering where they add up to 0 around each
 // loop: its nodes, states, are regions with a sum of labels.
 //
-// What a search finds bounds the loops through all regions that it came to: if
+// A search bounds the loops through all regions that it reached: if
 // none through the root is shorter than L, none through a region at distance d
 // is shorter than L - 2 d.  Regions with a bound above the length looked for
 // are not entered.  Loops only get longer as the surface is cut, so bounds stay.
@@ -39,8 +38,8 @@ public:
     static constexpr double SLACK = 1.7;
     static constexpr size_t MOST_LOOPS = 16; // of one search
 
-    // Looks for loops through the root that are shorter than `limit`, with the
-    // way from the root to them and back, and gets bounds.  Those shorter than `kept` are kept in any case.
+    // Searches for loops through the root that are shorter than `limit`, including the path from the root to them and
+    // back, and updates the bounds. Loops shorter than `kept` are always reported.
     Done search(uint32_t root, double limit, double kept = 0);
     // The loops found, shortest first: cycles of half-segments, not longer.
     size_t count() const { return closings_.size(); }
@@ -53,8 +52,8 @@ public:
     // Bounds by face, from one cut to the next: loops only get longer.
     void raise_bounds(const Array<double>& face_bound);
     void read_bounds(Array<double>& face_bound) const;
-    uint64_t work() const { return work_; }   // regions settled
-    bool starved() const { return starved_; } // the states did not suffice, since prepare
+    uint64_t work() const { return work_; }                     // regions settled
+    bool budget_exhausted() const { return budget_exhausted_; } // the states did not suffice, since prepare()
 
 private:
     struct Arc { // from a region; in the order of its links
@@ -109,7 +108,7 @@ private:
     Array<uint32_t> order_; // states as they were settled
     uint32_t state_count_ = 0, epoch_ = 0;
     Array<Closing> closings_;
-    bool starved_ = false, starved_here_ = false;
+    bool budget_exhausted_ = false, exhausted_here_ = false;
     uint64_t work_ = 0;
     NearestFirstRounded heap_;
 };

@@ -7,9 +7,8 @@
 //           \_\  /_/
 //          __/ way \__    <- neck
 //
-// A pair of pants decomposition wants the short ones, but a cut system may cross
-// them: whether its next loop passes between the feet of a handle or beside them
-// makes hardly a difference for its length.
+// A pants decomposition should contain the short ones, but a cut system may cross them: whether its next loop passes
+// between the feet of a handle or beside them hardly affects its length.
 #pragma once
 
 #include "class_lengths.hpp"

@@ -1,6 +1,6 @@
 // A pants decomposition: a cut system leaves a sphere with 2 genus holes, and
-// marked vertices are holes as well.  As long as it has more than three, two of
-// them that are close are taken off by a loop around both:
+// marked vertices are holes as well.  As long as it has more than three, a loop around two close holes cuts off a pair
+// of pants:
 //
 //          ______________           The new loop runs along A, over to B,
 //         /  __      __  \          along B and back, with A, the way and B
@@ -20,7 +20,7 @@
 //
 // Each loop is the shortest that those before it leave, so an early tie would
 // decide all the others.  Elementary moves shorten them at the end
-// (elementary_moves.hpp); loops around pairs of marks alone know none.
+// (elementary_moves.hpp); loops around pairs of marked vertices alone have no moves.
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.  To run along a marked vertex is to
@@ -29,8 +29,7 @@
 // The cut system does not cross short necks of handles (necks.hpp), which would
 // be in no pants decomposition then.  Those that it leaves free are candidates.
 //
-// Joining nothing but marked vertices gives loops around pairs of them; cycles that go round
-// other holes are no candidates then.
+// Joining only marked vertices gives loops around pairs of them; cycles around other holes are no candidates then.
 #include "../../core/base/disjoint_sets.hpp"
 #include "../../core/base/heap_sort.hpp"
 #include "../../core/base/nearest_first.hpp"
@@ -76,7 +75,7 @@ public:
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         const size_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
-        const size_t holes = 3 * genus + mesh_.marked_count; // wanted are 3 less
+        const size_t holes = 3 * genus + mesh_.marked_count; // 3 fewer are needed
         const size_t wanted = !marks_only_ ? (holes > 3 ? holes - 3 : 0) : holes == 4 ? 1 : holes / 2;
         const size_t given = loops_.count();
         choice_.start(memory_);
@@ -410,7 +409,7 @@ private:
         return !added || (ids_.push(id) && strip_.push(strip));
     }
 
-    // Those that are no loop yet, and meet none.  Curves are others after it.
+    // Candidates that are no loop yet and meet none. Curves are other candidates after it.
     Done offer_necks(size_t first) {
         for (size_t c = 0; c < necks_->count(); ++c) {
             bool are_disjoint = false, added = false, is_taken = false;

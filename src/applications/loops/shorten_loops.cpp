@@ -1,5 +1,5 @@
-// Shorter loops in the same classes.  One after another, each as short as it
-// gets in a strip around it that the others do not enter (annulus.hpp).
+// Shortens loops within their classes, one after another: each becomes the shortest in a strip around it that the
+// others do not enter (annulus.hpp).
 #include "../../core/base/cyclic.hpp"
 #include "annulus.hpp"
 

@@ -3,8 +3,7 @@
 //   F --tripods to vertices--> du --harmonic--> du --conjugate--> dv --harmonic--> dv
 //
 // F is harmonic already; moving the zeros to vertices disturbs it near them, so
-// du is made harmonic again with the signs fixed: a linear problem, whose
-// matrix serves for dv as well.
+// du is made harmonic again with the signs fixed: a linear problem, with the same matrix as for dv.
 #include "flat_surface.hpp"
 
 #include "harmonic_form.hpp"
@@ -97,9 +96,9 @@ Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call) {
 
 namespace {
 
-// Vertices that lie at one place of the flat surface, joined by edges of length 0.  What they have together is
-// known, who has what is not: it is given out so that each agrees with the turn around it.  Regular ones get 2,
-// odd ones 3, marked ones 1; the rest, which is even, goes to the one that has most.
+// Vertices that lie at one place of the flat surface, joined by edges of length 0.  Only their total cone angle is
+// known. It is distributed consistently with the turn around each vertex: regular ones get 2, odd ones 3, marked ones
+// 1, in units of pi; the remaining even number goes to the vertex that has most.
 Done share_cones(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call) {
     const auto is_point = [&](uint32_t h) {
         return flat.du.value[edge_of(h)] == 0 && flat.dv.value[edge_of(h)] == 0 && mesh.origin[h] != mesh.target(h);

@@ -6,9 +6,8 @@
 
 namespace hmf {
 
-// Refuses values whose residual of [W] Eq. 4 is above the tolerance, but for a
-// few vertices: the way between the two triangulations of level 0 may have to
-// move some.  They are relaxed.
+// Refuses values whose residual of [W] Eq. 4 is above the tolerance, except at a few vertices that may have moved
+// between the two triangulations of level 0. Those are relaxed.
 hmf_status check_harmonic(State& state, double tolerance, Call& call) {
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
@@ -48,7 +47,7 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
 
 namespace {
 
-// Length of each edge for the seams; those that the caller prefers hardly count.
+// Length of each edge for the seams; edges that the caller prefers have a length close to 0.
 hmf_status seam_lengths(const Mesh& mesh, const double* position, const Array<uint32_t>& cheap, Array<double>& length,
                         Array<double>& cost, Call& call) {
     if (!length.allocate(call.memory, mesh.edge_count) || !cost.allocate(call.memory, mesh.edge_count))

@@ -10,9 +10,8 @@
 
 namespace hmf {
 
-// Refuses values whose residual of [W] Eq. 4 is above the tolerance, but for a
-// few vertices: the way between the two triangulations of level 0 may have to
-// move some.  They are relaxed.
+// Refuses values whose residual of [W] Eq. 4 is above the tolerance, except at a few vertices that may have moved
+// between the two triangulations of level 0. Those are relaxed.
 [[nodiscard]] hmf_status check_harmonic(State& state, double tolerance, Call& call);
 
 // From an edge's first triangle to its second: (u', v') = sign * (u, v) + (u, v of this).

@@ -123,7 +123,7 @@ public:
         return true;
     }
 
-    // Chooses among the others, those with the longest ways to the cones first.
+    // Chooses among the others, longest paths to the cones first.
     Done choose(const Array<double>& distance, const double* length) {
         KeyedItems edges;
         Array<uint32_t> component;
@@ -152,7 +152,7 @@ public:
 
 private:
     bool is_free(uint32_t h) const { return role_[edge_of(h)] == FREE; }
-    // The one of the face of h; without branches, which nobody could foretell.
+    // The edge of the face of h; without branches, because the processor cannot predict them.
     uint32_t free_side(uint32_t h) const {
         const uint32_t n = mesh_.next[h], p = mesh_.next[n];
         const uint32_t other = is_free(n) ? n : p;

@@ -17,7 +17,7 @@ struct Stars {
 
     Done build(const Mesh& mesh, Call& call);
 
-    // A pass over the vertices asks for what it needs of one that is so far ahead.
+    // A pass over the vertices prefetches the data of the vertex that is this far ahead.
     static constexpr uint32_t ahead = 8;
 
     struct Star {

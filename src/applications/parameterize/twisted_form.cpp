@@ -170,8 +170,8 @@ private:
         return closed == 2 && !mesh_.is_marked(v);
     }
 
-    // Of the corners of a tripod that are regular and serve no other, the nearest.  Those that are too far are left
-    // out: a zero next to a narrow part of the surface may have corners at its other end.
+    // The nearest of the corners of a tripod that are regular and serve no other one. Corners that are too far away are
+    // left out: a zero next to a narrow part of the surface may have corners at its other end.
     Done assign_corners() {
         if (tripod_.empty()) return true;
         constexpr double share = 0.01, ratio = 4;
@@ -194,7 +194,7 @@ private:
                 continue;
             }
             h = tripod_[t];
-            sign_[h] = sign_[mesh_.next[h]] = 1; // as ZeroDrags wants it
+            sign_[h] = sign_[mesh_.next[h]] = 1; // in the form of ZeroDrags
             sign_[mesh_.prev(h)] = -1;
             if (!without_corner_.push(h)) return false;
         }
@@ -233,9 +233,8 @@ private:
             static_cast<unsigned long long>(left));
     }
 
-    // How far the zero of a tripod is from the regular vertex at its corner, as far as
-    // the fluxes tell: in u, and in v from the center of the tripod to the mean of
-    // the centers around the vertex.
+    // Distance of the zero of a tripod from the regular vertex at its corner, from the fluxes: in u, and in v from the
+    // center of the tripod to the mean of the centers around the vertex.
     double distance_to_zero(uint32_t corner) const {
         const double a = 0.5 * static_cast<double>(f_.corner2(corner));
         double V = 0, sum = 0;

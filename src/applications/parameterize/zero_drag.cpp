@@ -75,7 +75,7 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even
     return true;
 }
 
-// The zero comes to a vertex whose turn is even, if this is not yet counted.
+// The zero arrives at a vertex whose turn is even, if this is not yet counted.
 bool ZeroDrags::may_end() {
     if (turn_round(vertex_) != (way_.size() == 1 ? -1 : 1)) return false;
     forget_refused();

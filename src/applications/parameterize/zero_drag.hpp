@@ -37,7 +37,7 @@ public:
     // tripods: a half-edge h of each triangle where du is not closed.  The sides are a sum and its two
     // parts up to sign, which is 1 on h and the next one, -1 on the third: the turn around the target of h is
     // odd.  even: vertices whose turn is even although they have a zero or a mark.  One zero of each goes to the
-    // vertex that is nearest and not taken.  left: how many find none.
+    // nearest vertex that is not taken.  left: how many find none.
     Done drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even, Call& call, size_t& left);
 
 private:

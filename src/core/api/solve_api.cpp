@@ -55,36 +55,36 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0,
                                             "Cancelled by the progress callback before there was a foliation.")
                                 : call.out_of_memory();
-    ClassWatch watch;
+    ClassGuard guard;
     const Array<int64_t> unknown;
     const bool same_mesh = loops && loops->level == start && start > 0; // of the loops and the state
-    if (watch.start(state, unit, same_mesh ? &loops->loops : nullptr, loops ? loops->weights : unknown, call))
+    if (guard.start(state, unit, same_mesh ? &loops->loops : nullptr, loops ? loops->weights : unknown, call))
         return call.status();
     if (options.method == HMF_METHOD_PAPER) state.bad_flip = BadFlip::as_printed;
-    const hmf_status status = solve_in_class(state, options, call, recorder, watch);
+    const hmf_status status = solve_in_class(state, options, call, recorder, guard);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != options.stop_level)
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback on level %llu, before the asked one was reached.",
                          static_cast<unsigned long long>(state.level));
-    return finish_solve(state, status, options, unit, recorder, call, watch, out);
+    return finish_solve(state, status, options, unit, recorder, call, guard, out);
 }
 
-// Optimizes the state of a foliation on its level, within its class. If the foliation has a report, watch.result claims
+// Optimizes the state of a foliation on its level, within its class. If the foliation has a report, guard.result claims
 // no more than that report.
 hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOptions& options, Recorder& recorder,
-                          ClassWatch& watch, Call& call) {
+                          ClassGuard& guard, Call& call) {
     const int32_t known = from.has_report ? from.report.class_state : HMF_CLASS_UNKNOWN;
     hmf_status status = HMF_OK;
     if (options.method == HMF_METHOD_NEWTON) {
         const Array<int64_t> unknown;
-        if (watch.start(state, recorder.unit(), nullptr, unknown, call)) return call.status();
-        status = solve_in_class(state, options, call, recorder, watch);
-        if (!from.has_report || !watch.holds()) return status;
-        if (known == HMF_CLASS_UNKNOWN || known == HMF_CLASS_LOST) watch.result.state = ClassState::unknown;
+        if (guard.start(state, recorder.unit(), nullptr, unknown, call)) return call.status();
+        status = solve_in_class(state, options, call, recorder, guard);
+        if (!from.has_report || !guard.holds()) return status;
+        if (known == HMF_CLASS_UNKNOWN || known == HMF_CLASS_LOST) guard.result.state = ClassState::unknown;
     } else { // moves of single vertices do not leave the class
         status = run_cascade(state, options, call, recorder);
-        if (known != HMF_CLASS_LOST) watch.result.state = static_cast<ClassState>(known);
+        if (known != HMF_CLASS_LOST) guard.result.state = static_cast<ClassState>(known);
     }
     return status;
 }
@@ -176,10 +176,10 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     if (load_solved(*foliation, state, unit, call)) return call.status();
     Recorder recorder(true, call, unit);
     solve.stop_level = foliation->level;
-    ClassWatch watch;
-    const hmf_status status = relax_in_class(state, *foliation, solve, recorder, watch, call);
+    ClassGuard guard;
+    const hmf_status status = relax_in_class(state, *foliation, solve, recorder, guard, call);
     if (status >= HMF_ERROR_NULL) return status;
-    return finish_solve(state, status, solve, foliation->unit, recorder, call, watch, out);
+    return finish_solve(state, status, solve, foliation->unit, recorder, call, guard, out);
 }
 
 } // extern "C"

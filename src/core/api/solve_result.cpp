@@ -10,7 +10,7 @@ namespace hmf {
 namespace {
 
 // The sentence of a solve that ended with a foliation.
-hmf_status describe(hmf_status status, size_t level, const hmf_report& report, const ClassWatch& watch, Call& call) {
+hmf_status describe(hmf_status status, size_t level, const hmf_report& report, const ClassGuard& guard, Call& call) {
     switch (status) {
     case HMF_OK: call.finished(); return HMF_OK;
     case HMF_LIMIT_TIME:
@@ -33,15 +33,15 @@ hmf_status describe(hmf_status status, size_t level, const hmf_report& report, c
                              "class of the loops. HMF_METHOD_WHITEHEAD has none.",
                              static_cast<unsigned long long>(report.bad_flips_left),
                              static_cast<unsigned long long>(report.poles));
-        if (watch.lost.loop == NONE)
+        if (guard.lost.loop == NONE)
             return call.fail(status, HMF_ELEMENT_NONE, 0,
                              "Steps to the minimum leave the class of the loops; report->class_state tells whether the "
                              "values are in it. Try another ratio, or improve the triangles.");
-        return call.fail(status, HMF_ELEMENT_LOOP, watch.lost.loop,
+        return call.fail(status, HMF_ELEMENT_LOOP, guard.lost.loop,
                          "Steps to the minimum leave the class: the cylinder of loop %u would be %g high instead of "
                          "%g. The values are in the class. Try another ratio, or improve the triangles.",
-                         static_cast<unsigned>(watch.lost.loop), watch.lost.found * watch.unit,
-                         watch.lost.wanted * watch.unit);
+                         static_cast<unsigned>(guard.lost.loop), guard.lost.found * guard.unit,
+                         guard.lost.wanted * guard.unit);
     case HMF_CANCELLED:
         return call.fail(status, HMF_ELEMENT_LEVEL, level,
                          "Cancelled by the progress callback; the values are closed and without poles.");
@@ -85,7 +85,7 @@ uint32_t bits_too_many(int64_t largest, uint32_t most) {
 } // namespace
 
 hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& options, double unit_of_heights,
-                        Recorder& recorder, Call& call, const ClassWatch& watch, hmf_foliation** out) {
+                        Recorder& recorder, Call& call, const ClassGuard& guard, hmf_foliation** out) {
     hmf_report& report = recorder.report;
     report.struct_size = sizeof report;
     report.method = options.method;
@@ -94,9 +94,9 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
                         : options.residual_tolerance > 0      ? options.residual_tolerance
                                                               : 1e-8;
     report.converged = report.residual_max >= 0 && report.residual_max <= enough;
-    report.class_state = static_cast<int32_t>(watch.result.state);
-    report.class_repeats = watch.repeats;
-    report.class_seconds = watch.seconds;
+    report.class_state = static_cast<int32_t>(guard.result.state);
+    report.class_repeats = guard.repeats;
+    report.class_seconds = guard.seconds;
     Making making;
     Array<int64_t> solved;
     const uint32_t n = state.foliation.mesh.edge_count;
@@ -135,7 +135,7 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     if (recorder.certificate.known && recorder.certificate.fractional) making.fraction = recorder.fraction.data();
     if (make_foliation(state, making, call, out)) return call.status();
     if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
-    return describe(status, state.level, report, watch, call);
+    return describe(status, state.level, report, guard, call);
 }
 
 } // namespace hmf

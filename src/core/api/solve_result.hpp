@@ -1,7 +1,7 @@
 // The end of a solve: report, unit of the values, exact symmetry of a double, and the sentence.
 #pragma once
 
-#include "../solve/class_watch.hpp"
+#include "../solve/class_guard.hpp"
 #include "foliation_object.hpp"
 
 namespace hmf {
@@ -9,7 +9,7 @@ namespace hmf {
 // From a state that a cascade has left to the foliation of the caller.  status: why it ended.
 // unit_of_heights: a unit that all heights are multiples of.
 [[nodiscard]] hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& options,
-                                      double unit_of_heights, Recorder& recorder, Call& call, const ClassWatch& watch,
+                                      double unit_of_heights, Recorder& recorder, Call& call, const ClassGuard& guard,
                                       hmf_foliation** out);
 
 } // namespace hmf

@@ -48,7 +48,7 @@ struct Loops {
     }
 };
 
-// Takes the fingers off essential disjoint loops, so that their initial
+// Removes the bigons of essential disjoint loops, so that their initial
 // foliation has no poles.  Classes, order and directions stay.
 [[nodiscard]] hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
 

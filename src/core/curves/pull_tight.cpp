@@ -41,7 +41,7 @@ public:
         foliation_.mesh = mesh_;
         foliation_.value = value_.data();
         poles_.start(memory_);
-        finger_.start(memory_);
+        bigon_.start(memory_);
         loop_.start(memory_);
         for (;;) {
             if (!call_.tick(0, true)) return call_.was_cancelled();
@@ -51,7 +51,7 @@ public:
             bool removed = false;
             for (const uint32_t v : poles_) {
                 bool found = false;
-                if (!trace_finger(v) || !remove_finger(found)) return call_.out_of_memory();
+                if (!trace_bigon(v) || !remove_bigon(found)) return call_.out_of_memory();
                 removed |= found;
             }
             if (!removed)
@@ -86,9 +86,9 @@ private:
 
     // The half-edges that leave the cluster of v, counter-clockwise from the
     // closed corner, turned round: as the innermost loop crosses them.
-    Done trace_finger(uint32_t v) {
+    Done trace_bigon(uint32_t v) {
         explore_cluster(foliation_, v);
-        finger_.clear();
+        bigon_.clear();
         uint32_t first = NONE;
         for (const uint32_t u : foliation_.members) {
             for (const uint32_t h : mesh_.around(u)) {
@@ -99,30 +99,30 @@ private:
         if (first == NONE) return true;
         uint32_t g = first;
         do {
-            if (!finger_.push(twin(g))) return false;
+            if (!bigon_.push(twin(g))) return false;
             const uint32_t ahead = mesh_.rotate_ccw(g);
             g = foliation_.at(ahead) > 0 ? ahead : twin(mesh_.next[g]);
         } while (g != first);
         return true;
     }
 
-    // Does the loop cross the edges of the finger from place i on, in one of the two ways?
+    // Whether the loop crosses the edges of the bigon from place i on, in either direction.
     bool matches(const uint32_t* loop, size_t n, size_t i) const {
-        const size_t m = finger_.size();
+        const size_t m = bigon_.size();
         if (m == 0 || m >= n) return false;
-        if (loop[i] == finger_[0] && matches(loop, n, i, false)) return true;
-        return loop[i] == twin(finger_[m - 1]) && matches(loop, n, i, true);
+        if (loop[i] == bigon_[0] && matches(loop, n, i, false)) return true;
+        return loop[i] == twin(bigon_[m - 1]) && matches(loop, n, i, true);
     }
     bool matches(const uint32_t* loop, size_t n, size_t i, bool reversed) const {
-        const size_t m = finger_.size();
+        const size_t m = bigon_.size();
         for (size_t k = 0; k < m; ++k)
-            if (loop[i + k < n ? i + k : i + k - n] != (reversed ? twin(finger_[m - 1 - k]) : finger_[k])) return false;
+            if (loop[i + k < n ? i + k : i + k - n] != (reversed ? twin(bigon_[m - 1 - k]) : bigon_[k])) return false;
         return true;
     }
 
-    // Takes the finger off all loops that have it.
-    Done remove_finger(bool& found) {
-        const size_t m = finger_.size();
+    // Removes the bigon from all loops that have it.
+    Done remove_bigon(bool& found) {
+        const size_t m = bigon_.size();
         uint64_t begin = 0, kept = 0; // of the loop; of what is left of the earlier ones
         for (size_t c = 0; c < loops_.count(); ++c) {
             const uint32_t* const loop = loops_.crossings.data() + begin;
@@ -163,7 +163,7 @@ private:
     Memory& memory_;
     Foliation foliation_;
     Array<int64_t> weight_, value_;
-    Array<uint32_t> poles_, finger_, loop_;
+    Array<uint32_t> poles_, bigon_, loop_;
 };
 
 } // namespace

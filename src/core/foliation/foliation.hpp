@@ -178,7 +178,7 @@ void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, Transport
 // are no distances in a tree (one closed corner separates a direction from
 // itself, or a marked vertex has none), which a step that went too far can
 // cause.
-bool settle_extremum(Foliation& foliation, uint32_t vertex);
+bool remove_extremum(Foliation& foliation, uint32_t vertex);
 
 // Values of the edges that come where a collapse is undone: the new vertex starts where the old one is.
 void split_values(int64_t* value, const Collapse& c);

@@ -60,7 +60,7 @@ void advance_cluster(Foliation& f, uint32_t behind) {
 
 } // namespace
 
-bool settle_extremum(Foliation& f, uint32_t vertex) {
+bool remove_extremum(Foliation& f, uint32_t vertex) {
     // Each round enlarges the cluster or gives it a direction.
     for (uint32_t round = 0; round <= f.mesh.vertex_count; ++round) {
         const Cluster cluster = explore_cluster(f, vertex, ClusterSearch().up_to_corners(2));

@@ -266,7 +266,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
 
 namespace {
 
-enum class Outcome : uint8_t { undecided, rests, moves, lands };
+enum class Outcome : uint8_t { undecided, stays, moves, lands };
 
 // Into one direction, given by its sides as bits: as far as it pulls more than all others, at most to the end of the
 // free interval.
@@ -277,7 +277,7 @@ struct PlainMove {
 
     Outcome make(Foliation& f, const Rings::Side* side, uint32_t degree, double weight_sum, SweepResult& result) const {
         const double distance = excess / weight_sum;
-        if (!(distance >= 1)) return Outcome::rests;
+        if (!(distance >= 1)) return Outcome::stays;
         const bool lands = distance >= static_cast<double>(room);
         const int64_t mu = lands ? room : static_cast<int64_t>(distance);
         for (uint32_t t = 0; t < degree; ++t)

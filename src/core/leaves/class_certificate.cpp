@@ -28,7 +28,7 @@ Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph
     return names.add(mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; });
 }
 
-hmf_status ClassReference::take(Foliation& f, const CurveWords& words, Call& call) {
+hmf_status ClassCertificate::take(Foliation& f, const CurveWords& words, Call& call) {
     Call quiet(&call);
     Cylinders cylinders;
     height_.start(call.memory);
@@ -47,13 +47,14 @@ hmf_status ClassReference::take(Foliation& f, const CurveWords& words, Call& cal
     return HMF_OK;
 }
 
-int64_t ClassReference::largest_height() const {
+int64_t ClassCertificate::largest_height() const {
     int64_t largest = 0;
     for (const int64_t h : height_) largest = std::max(largest, h);
     return largest;
 }
 
-hmf_status ClassReference::number_by_class(const Mesh& mesh, const CurveWords& words, const Loops& loops, Call& call) {
+hmf_status ClassCertificate::number_by_class(const Mesh& mesh, const CurveWords& words, const Loops& loops,
+                                             Call& call) {
     CurveNames of_loops;
     of_loops.start(call.memory);
     const auto half_edge = [&](uint64_t i) { return loops.crossings[i]; };
@@ -63,7 +64,7 @@ hmf_status ClassReference::number_by_class(const Mesh& mesh, const CurveWords& w
     return HMF_OK;
 }
 
-void ClassReference::number_by_weight(const Array<int64_t>& weights) {
+void ClassCertificate::number_by_weight(const Array<int64_t>& weights) {
     // Each the first loop of its weight that is left.
     for (uint32_t& l : loop_) l = NONE;
     for (uint32_t l = 0; l < weights.size(); ++l)
@@ -74,17 +75,17 @@ void ClassReference::number_by_weight(const Array<int64_t>& weights) {
             }
 }
 
-bool ClassReference::agrees(const Array<int64_t>& weights) const {
+bool ClassCertificate::agrees(const Array<int64_t>& weights) const {
     if (height_.size() != weights.size()) return false;
     for (size_t c = 0; c < height_.size(); ++c)
         if (loop_[c] == NONE || weights[loop_[c]] != height_[c]) return false;
     return true;
 }
 
-// The cylinders of a result. sound: they exist with all zeros, the indices of the zeros have the sum of the
+// The cylinders of a result. complete: they exist with all zeros, the indices of the zeros have the sum of the
 // Poincare-Hopf theorem, and there is no pole.
-hmf_status ClassReference::find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
-                                          Call& call) const {
+hmf_status ClassCertificate::find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& complete,
+                                            Call& call) const {
     const int64_t whole = 2 * f.mesh.euler() - static_cast<int64_t>(f.mesh.marked_count);
     const bool known = zeros.known && f.mesh.marked_count == 0;
     Call quiet(&call);
@@ -95,20 +96,20 @@ hmf_status ClassReference::find_cylinders(Foliation& f, const ZeroList& zeros, C
     }
     if (is_memory(status)) return call.out_of_memory();
     if (call.cancelled()) return HMF_CANCELLED;
-    sound = status == HMF_OK && has_all_zeros(cylinders.graph, whole);
+    complete = status == HMF_OK && has_all_zeros(cylinders.graph, whole);
     return HMF_OK;
 }
 
-hmf_status ClassReference::compare(Foliation& f, const CurveWords& words, const ZeroList& zeros, int64_t finer,
-                                   Call& call, ClassResult& result) const {
+hmf_status ClassCertificate::compare(Foliation& f, const CurveWords& words, const ZeroList& zeros, int64_t finer,
+                                     Call& call, ClassCheck& result) const {
     result = {};
     if (!known()) return HMF_OK;
     Cylinders cylinders;
-    bool sound = false;
-    if (const hmf_status status = find_cylinders(f, zeros, cylinders, sound, call)) return status;
+    bool complete = false;
+    if (const hmf_status status = find_cylinders(f, zeros, cylinders, complete, call)) return status;
     result.crossings = cylinders.graph.crossings.size();
     result.state = ClassState::lost;
-    if (!sound) {
+    if (!complete) {
         result.loss = ClassLoss::leaves;
         return HMF_OK;
     }

@@ -37,7 +37,7 @@ enum class ClassLoss : uint8_t {
     core,   // the heights are right, but a cylinder goes around another curve
 };
 
-struct ClassResult {
+struct ClassCheck {
     ClassState state = ClassState::unknown;
     ClassLoss loss = ClassLoss::none;
     uint32_t loop = NONE;   // that is lost
@@ -50,7 +50,7 @@ struct ClassResult {
 Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
                   CurveNames& names);
 
-class ClassReference {
+class ClassCertificate {
 public:
     // From a foliation that is known to belong to the loops, as the initial one
     // is, with the words of its mesh.  HMF_OK and known() false:
@@ -69,10 +69,10 @@ public:
     // A foliation on a mesh with its words, in a unit that is
     // `finer` times as fine.
     [[nodiscard]] hmf_status compare(Foliation& f, const CurveWords& words, const ZeroList& zeros, int64_t finer,
-                                     Call& call, ClassResult& result) const;
+                                     Call& call, ClassCheck& result) const;
 
 private:
-    [[nodiscard]] hmf_status find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
+    [[nodiscard]] hmf_status find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& complete,
                                             Call& call) const;
 
     Array<int64_t> height_;

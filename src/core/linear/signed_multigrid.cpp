@@ -325,7 +325,7 @@ class Pace {
 public:
     explicit Pace(uint32_t limit) : left_(limit) {}
     // After each iteration: by which factor the goal is missed.
-    bool is_hopeless(double missing) {
+    bool is_too_slow(double missing) {
         const double before = last_[0];
         for (uint32_t i = 0; i + 1 < span; ++i) last_[i] = last_[i + 1];
         last_[span - 1] = missing;
@@ -365,11 +365,11 @@ struct SignedMultigrid::Search {
         result.residual = norm / reference;
         result.row_residual = row;
     }
-    bool is_hopeless(double norm, double row) {
-        if (!options.hopeless_ends || is_small(norm, row)) return false;
+    bool is_too_slow(double norm, double row) {
+        if (!options.stop_if_too_slow || is_small(norm, row)) return false;
         double missing = norm / goal;
         if (options.row_scale && row < missing * options.row_tolerance) missing = row / options.row_tolerance;
-        return pace.is_hopeless(missing);
+        return pace.is_too_slow(missing);
     }
 };
 
@@ -428,7 +428,7 @@ void SignedMultigrid::search_in_double(Search& s, Call& call) {
                 return r[i] -= alpha * q[i];
             });
             norm = std::sqrt(norms.squares);
-            if (s.is_hopeless(norm, norms.largest_row)) return;
+            if (s.is_too_slow(norm, norms.largest_row)) return;
         }
     }
 }
@@ -529,7 +529,7 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
             const double alpha = (sums.zr + beta * pr) / pq;
             norms = sweeps.step_forward(static_cast<float>(alpha), static_cast<float>(beta), g, x, v, parallel);
             pr = 0;
-            if (s.is_hopeless(norm(), row())) {
+            if (s.is_too_slow(norm(), row())) {
                 s.ended = true;
                 break;
             }

@@ -33,7 +33,7 @@ struct LinearOptions {
     const uint32_t* fixed = nullptr;
     size_t fixed_count = 0;
     // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
-    bool hopeless_ends = false;
+    bool stop_if_too_slow = false;
     // Accepts the residual of the recurrence at the end, which saves a product with A: for callers that check the
     // resulting x. It is accurate to 1e-4 (bench/README.md).
     bool unchecked = false;

@@ -57,7 +57,7 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
     double D = energy(f, work.level.weight);
     const double wanted = work.state.level == work.options.stop_level ? work.options.residual_tolerance : 0;
     const uint32_t n = f.mesh.vertex_count;
-    uint32_t at_rest = 0; // sweeps without a move, one after the other
+    uint32_t without_move = 0; // sweeps without a move, one after the other
     for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
         SweepResult result;
         if (n >= steering::small_level) work.star.credit = steering::credit_per_vertex * uint64_t{n};
@@ -75,14 +75,14 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
-            at_rest = result.moves == 0 ? at_rest + 1 : 0;
-            if (at_rest == steering::sweeps_at_rest) {
+            without_move = result.moves == 0 ? without_move + 1 : 0;
+            if (without_move == steering::sweeps_without_move) {
                 // The remaining steps are smaller than a unit: a finer unit, as far as doubles distinguish pulls, then
                 // fractions.
                 const double told_apart = std::max(wanted, steering::end_of_doubles);
                 if (!work.refine_unit(told_apart).changed) return end_beyond_rounding(work, wanted);
                 D = energy(f, work.level.weight);
-                at_rest = 0;
+                without_move = 0;
             }
         } else if (-result.energy_change <= tolerance * D) {
             return HMF_OK;
@@ -120,7 +120,7 @@ uint32_t bits_for_residual(const LevelWork& work, double residual) {
 
 } // namespace
 
-Fineness LevelWork::refine_unit(double residual) {
+UnitChange LevelWork::refine_unit(double residual) {
     Foliation& f = state.foliation;
     const uint32_t wanted = bits_for_residual(*this, residual);
     int64_t largest = state.largest_input_value;
@@ -130,7 +130,7 @@ Fineness LevelWork::refine_unit(double residual) {
     while (bits > 0 && largest > options.largest_value >> bits) --bits;
     // Heights are no values of an edge: on a fine mesh they can be much larger.
     int64_t highest = 0;
-    if (watch) highest = watch->reference.largest_height() * static_cast<int64_t>(watch->unit / recorder.unit());
+    if (guard) highest = guard->reference.largest_height() * static_cast<int64_t>(guard->unit / recorder.unit());
     while (bits > 0 && highest > largest_height >> bits) --bits;
     // Exact, as the factor is a power of two.
     const int64_t factor = int64_t{1} << bits;
@@ -142,11 +142,11 @@ Fineness LevelWork::refine_unit(double residual) {
 
 namespace {
 
-hmf_status optimize(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch,
+hmf_status optimize(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassGuard* guard,
                     bool gated, hmf_level_report& statistics) {
     const double start = call.seconds();
-    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, watch, gated, {}, {}, {}, {}};
-    if (watch) watch->zeros.known = false;
+    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, guard, gated, {}, {}, {}, {}};
+    if (guard) guard->zeros.known = false;
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
     const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
@@ -159,7 +159,7 @@ hmf_status optimize(State& state, const SolveOptions& options, Call& call, Recor
 
 // The level as it was entered, and again with a check of each step if it loses the class.
 hmf_status optimize_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                             ClassWatch& watch, hmf_level_report& statistics) {
+                             ClassGuard& guard, hmf_level_report& statistics) {
     Foliation& f = state.foliation;
     const double unit = recorder.unit();
     const int64_t largest = state.largest_input_value;
@@ -172,27 +172,27 @@ hmf_status optimize_in_class(State& state, const SolveOptions& options, Call& ca
         recorder.set_unit(unit);
         state.largest_input_value = largest;
         recorder.certificate.known = false;
-        watch.zeros.known = false;
+        guard.zeros.known = false;
     };
     for (uint32_t attempt = 0; attempt < 2; ++attempt) {
         const bool gated = attempt > 0;
         if (gated) {
             go_back();
-            ++watch.repeats;
+            ++guard.repeats;
         }
-        status = optimize(state, options, call, recorder, &watch, gated, statistics);
+        status = optimize(state, options, call, recorder, &guard, gated, statistics);
         if (status >= HMF_ERROR_NULL || call.cancelled() || call.finishing()) return status;
-        if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
-        if (watch.holds()) return gated && status == HMF_LIMIT_STALLED ? HMF_LIMIT_CLASS : status;
+        if (const hmf_status looked = guard.certify(state, recorder.unit(), call)) return looked;
+        if (guard.holds()) return gated && status == HMF_LIMIT_STALLED ? HMF_LIMIT_CLASS : status;
     }
     go_back();
-    if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
+    if (const hmf_status looked = guard.certify(state, recorder.unit(), call)) return looked;
     return HMF_LIMIT_CLASS;
 }
 
 } // namespace
 
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch) {
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassGuard* guard) {
     const hmf_hierarchy& h = *state.hierarchy;
     if (recorder.count_levels(state.level - options.stop() + 1)) return call.status();
     // Progress: each level its share of the edges.
@@ -213,8 +213,8 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
         if (!stop_improving) {
             const hmf_status here = options.guarded
-                                      ? optimize_in_class(state, options, call, recorder, *watch, statistics)
-                                      : optimize(state, options, call, recorder, watch, false, statistics);
+                                      ? optimize_in_class(state, options, call, recorder, *guard, statistics)
+                                      : optimize(state, options, call, recorder, guard, false, statistics);
             if (here >= HMF_ERROR_NULL) return here;
             // Only the last level decides, unless the whole call ran out of something.
             status = here;

@@ -1,6 +1,6 @@
 #include "fraction.hpp"
 
-#include "part_system.hpp"
+#include "subdomain_solver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,15 @@ namespace hmf {
 
 namespace {
 
-// The change of the edge of side h of a vertex that rests, caused by the neighbors.
+// The change of the edge of side h of a fixed vertex, caused by the neighbors.
 double change_beyond(const Foliation& f, const TwistedModel& model, const double* part, uint32_t h) {
     return -model.sign[twin(h)] * part[f.mesh.target(h)];
 }
 
-// At a vertex that rests: by the directions of the integers. At most this, in whichever of them a neighbor of its
+// At a fixed vertex: by the directions of the integers. At most this, in whichever of them a neighbor of its
 // cluster has moved.
-double residual_at_rest(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model,
-                        const double* part, uint32_t v, double floor, Star& star) {
+double residual_at_fixed(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model,
+                         const double* part, uint32_t v, double floor, Star& star) {
     if (f.mesh.is_marked(v)) return 0; // balanced by the half turn
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t budget = star.budget;
@@ -63,8 +63,8 @@ Done measure_with_part(Foliation& f, const Rings& rings, const double* weight, c
     for (uint32_t v = 0; v < model.count; ++v) {
         if (v % 65536 == 0 && !call.tick(0, true)) return false;
         double r = 0;
-        if (model.rests[v]) {
-            r = residual_at_rest(f, rings, weight, model, part, v, floor, star);
+        if (model.is_fixed[v]) {
+            r = residual_at_fixed(f, rings, weight, model, part, v, floor, star);
         } else {
             double excess = model.right[v] - model.diagonal[v] * part[v];
             for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t)
@@ -91,7 +91,7 @@ public:
 
     Done allocate(Memory& memory) {
         list.start(memory);
-        return list.reserve(model_.resting.size()) && cluster_.allocate_filled(memory, model_.count, NONE);
+        return list.reserve(model_.fixed_zeros.size()) && cluster_.allocate_filled(memory, model_.count, NONE);
     }
     Array<uint32_t> list;
 
@@ -170,13 +170,13 @@ private:
         return false;
     }
     bool add_unpulled(uint32_t v) {
-        if (distance[v] != NONE || model_.rests[v] || is_pulled(v)) return false;
+        if (distance[v] != NONE || model_.is_fixed[v] || is_pulled(v)) return false;
         distance[v] = 0;
         list_.add(v);
         return true;
     }
     void add(uint32_t v, uint32_t ring) {
-        if (distance[v] != NONE || model_.rests[v]) return;
+        if (distance[v] != NONE || model_.is_fixed[v]) return;
         distance[v] = ring;
         list_.add(v);
     }
@@ -189,11 +189,11 @@ private:
 };
 
 // The edges of a vertex, or of vertices joined by edges of value 0, after a step.
-struct Ways {
+struct EdgeChanges {
     bool opens = false, reverses = false;
     bool ahead = false, behind = false; // an edge in each direction that the step does not reverse
     bool are_kept() const { return !(opens || reverses) || (ahead && behind); }
-    void operator|=(const Ways& other) {
+    void operator|=(const EdgeChanges& other) {
         opens |= other.opens;
         reverses |= other.reverses;
         ahead |= other.ahead;
@@ -208,10 +208,10 @@ public:
 
     Done look(Memory& memory, bool& keeps) {
         keeps = false;
-        for (const uint32_t v : model_.resting)
+        for (const uint32_t v : model_.fixed_zeros)
             if (reverses_any(v)) return true;
         for (uint32_t v = 0; v < model_.count; ++v) {
-            if (model_.rests[v]) {
+            if (model_.is_fixed[v]) {
                 if (reverses_any(v)) return true;
                 continue;
             }
@@ -237,28 +237,28 @@ private:
         }
         return false;
     }
-    Ways ways_of(uint32_t v) const {
-        Ways ways;
+    EdgeChanges ways_of(uint32_t v) const {
+        EdgeChanges changes;
         for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
             const uint32_t h = rings_.side[t].half_edge;
             const double after = static_cast<double>(f_.at(h)) - change(h);
             const bool keeps_way = f_.at(h) == 0 || after > 0;
-            ways.opens |= f_.at(h) == 0 && after != 0;
-            ways.reverses |= !keeps_way;
-            ways.ahead |= keeps_way && model_.sign[h] * after > 0;
-            ways.behind |= keeps_way && model_.sign[h] * after < 0;
+            changes.opens |= f_.at(h) == 0 && after != 0;
+            changes.reverses |= !keeps_way;
+            changes.ahead |= keeps_way && model_.sign[h] * after > 0;
+            changes.behind |= keeps_way && model_.sign[h] * after < 0;
         }
-        return ways;
+        return changes;
     }
     // What edges of value 0, which stay so all the way, hold together is one vertex.
     bool closed_together_are_kept(uint32_t first) {
-        Ways ways;
+        EdgeChanges changes;
         size_t found = 0, done = 0;
         seen_[first] = 1;
         for (stack_[found++] = first; done < found; ++done) {
             const uint32_t v = stack_[done];
-            if (model_.rests[v]) return false;
-            ways |= ways_of(v);
+            if (model_.is_fixed[v]) return false;
+            changes |= ways_of(v);
             for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
                 const uint32_t h = rings_.side[t].half_edge, u = rings_.neighbor[t];
                 if (f_.at(h) != 0 || change(h) != 0 || seen_[u]) continue;
@@ -266,7 +266,7 @@ private:
                 stack_[found++] = u;
             }
         }
-        return ways.are_kept();
+        return changes.are_kept();
     }
 
     const Foliation& f_;
@@ -297,7 +297,7 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
     Array<double> residual;
     if (!model.allocate(f.mesh, memory) || !part.allocate_filled(memory, n, 0) || !residual.allocate(memory, n))
         return call.out_of_memory();
-    if (!model.look(f, work.rings, weight, work.star, call)) return call.stopped();
+    if (!model.linearize(f, work.rings, weight, work.star, call)) return call.stopped();
     model.assemble(f, work.rings, weight, call);
     FreeZeros zeros(f, work.rings, weight, model, work.star);
     Region region(f, work.rings, model);
@@ -305,7 +305,7 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
     if (!measure_with_part(f, work.rings, weight, model, part.data(), work.star, residual.data(), call, found))
         return call.stopped();
     const double floor = floor_of(f, weight, call);
-    for (const uint32_t v : model.resting)
+    for (const uint32_t v : model.fixed_zeros)
         if (residual[v] > share * goal) zeros.add(v, floor);
     region.join_unpulled();
     for (uint32_t v = 0; v < n; ++v)
@@ -323,19 +323,19 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
             if (half && zeros.list.empty()) break;
             std::memcpy(number.data(), region.distance.data(), n * sizeof(uint32_t));
             for (const uint32_t v : zeros.list) {
-                model.rests[v] = 0;
+                model.is_fixed[v] = 0;
                 number[v] = half ? NONE : 0;
                 if (half) model.d[v] = 0.5 * part[v];
             }
-            PartSystem equations;
-            if (!equations.take(model, number, Solver::direct, call, region.with.data())
+            SubdomainSolver equations;
+            if (!equations.extract(model, number, Solver::direct, call, region.with.data())
                 || !equations.solve(model, accuracy, call))
                 return call.stopped();
             std::memcpy(part.data(), model.d.data(), n * sizeof(double));
             for (const uint32_t v : model.bounded)
                 if (part[v] <= static_cast<double>(model.lower[v]) || part[v] >= static_cast<double>(model.upper[v]))
                     part[v] = 0;
-            for (const uint32_t v : zeros.list) model.rests[v] = part[v] == 0;
+            for (const uint32_t v : zeros.list) model.is_fixed[v] = part[v] == 0;
             bool keeps = false;
             if (!keeps_class(f, work.rings, model, part.data(), memory, keeps)) return call.out_of_memory();
             if (keeps && !measure_with_part(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
@@ -350,11 +350,11 @@ hmf_status residuals_with_fractions(Foliation& f, const Rings& rings, const doub
                                     Star& star, double* residual, Call& call, ResidualResult& found) {
     TwistedModel model;
     if (!model.allocate(f.mesh, call.memory)) return call.out_of_memory();
-    if (!model.look(f, rings, weight, star, call)) return call.stopped();
+    if (!model.linearize(f, rings, weight, star, call)) return call.stopped();
     FreeZeros zeros(f, rings, weight, model, star);
     if (!zeros.allocate(call.memory)) return call.out_of_memory();
     const double floor = floor_of(f, weight, call);
-    for (const uint32_t v : model.resting)
+    for (const uint32_t v : model.fixed_zeros)
         if (part[v] != 0) zeros.add(v, floor);
     model.assemble(f, rings, weight, call);
     return measure_with_part(f, rings, weight, model, part, star, residual, call, found) ? HMF_OK : call.stopped();

@@ -24,7 +24,7 @@ namespace hmf {
                                                   const double* part, Star& star, double* residual, Call& call,
                                                   ResidualResult& found);
 
-// Tests that no edge at a zero or at a vertex that rests is reversed, and that each vertex with reversed edges or
+// Tests that no edge at a zero or at a fixed vertex is reversed, and that each vertex with reversed edges or
 // opened edges of value 0 keeps an unreversed edge in both of its directions. Then no vertex becomes an extremum at any
 // time of the step (docs/mathematics.md, section 8). Vertices joined by edges that stay 0 count as one.
 Done keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part, Memory& memory,

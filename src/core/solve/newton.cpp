@@ -12,13 +12,13 @@
 //      the step is halved
 //   4. moves near the singularities, where the model is not smooth
 // A level that has stalled continues with exactly solved steps, and moves of the remaining zeros. If the residual is
-// large in a part of the mesh only, 2 and 3 are done for the unknowns there (part_system.hpp).
+// large in a part of the mesh only, 2 and 3 are done for the unknowns there (subdomain_solver.hpp).
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
-#include "newton_plan.hpp"
-#include "part_system.hpp"
+#include "newton_policy.hpp"
+#include "subdomain_solver.hpp"
 #include "../linear/signed_multigrid.hpp"
-#include "whole_step.hpp"
+#include "newton_update.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,14 +45,14 @@ public:
     }
 
     // Computes signs, energy and residual of the current foliation.
-    Done look() { return model_.look(f_, w_.rings, weight_, w_.star, w_.call); }
+    Done linearize() { return model_.linearize(f_, w_.rings, weight_, w_.star, w_.call); }
     const TwistedModel& model() const { return model_; }
 
     // The zeros of the last linearization.
     Done hand_over(ZeroList& zeros) {
         zeros.vertices.clear();
         zeros.tripods.clear();
-        for (uint32_t v : model_.resting)
+        for (uint32_t v : model_.fixed_zeros)
             if (!zeros.vertices.push(v)) return false;
         for (uint32_t h : model_.tripod)
             if (!zeros.tripods.push(h)) return false;
@@ -91,13 +91,13 @@ public:
         // The last pass in which a vertex has a reason to move; NONE: not picked.
         Array<uint32_t>& due = distance_;
         for (uint32_t v : picked_) due[v] = 0;
-        const double at_rest = steering::share_at_rest * model_.residual_max;
+        const double negligible = steering::negligible_move * model_.residual_max;
         for (uint32_t pass = 0; pass < passes && w_.go_on(); ++pass)
             for (size_t i = 0; i < picked_.size(); ++i) {
                 const uint32_t v = picked_[pass % 2 ? picked_.size() - 1 - i : i];
                 if (due[v] < pass) continue;
                 SweepResult result;
-                if (!relax_vertex(f_, w_.rings, weight_, v, w_.star, result) || result.largest <= at_rest) continue;
+                if (!relax_vertex(f_, w_.rings, weight_, v, w_.star, result) || result.largest <= negligible) continue;
                 due[v] = pass + 1;
                 for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
                     uint32_t& neighbor = due[w_.rings.neighbor[t]];
@@ -124,7 +124,7 @@ public:
         effort.loose = effort.tight = steering::precise_accuracy;
         effort.close = effort.go_on = checked_ = true;
         for (uint32_t i = 0; i < steering::precise_steps; ++i) {
-            if (!look()) return interrupted(w_.call);
+            if (!linearize()) return interrupted(w_.call);
             double accepted = 0;
             bool tight = false;
             if (const hmf_status status = step(effort, accepted, tight)) return status;
@@ -138,7 +138,7 @@ public:
     bool is_in_part(double residual, double share) {
         pick_near_zeros(0);
         for (uint32_t v = 0; v < model_.count; ++v)
-            if (distance_[v] == NONE && !model_.rests[v]
+            if (distance_[v] == NONE && !model_.is_fixed[v]
                 && std::fabs(model_.right[v]) * static_cast<double>(model_.row_scale[v]) > residual) {
                 distance_[v] = 0;
                 picked_.add(v);
@@ -152,7 +152,7 @@ public:
     // One move for each zero whose residual is above this value; false: none moved.
     bool move_zeros(double residual) {
         bool moved = false;
-        for (const uint32_t v : model_.resting) {
+        for (const uint32_t v : model_.fixed_zeros) {
             if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) <= residual) continue;
             SweepResult result;
             moved |= relax_vertex(f_, w_.rings, weight_, v, w_.star, result);
@@ -172,7 +172,7 @@ private:
             picked_.add(v);
         };
         // Every zero is where it was before the step, or at a vertex next to that.
-        for (uint32_t v : model_.resting) add(v, 0);
+        for (uint32_t v : model_.fixed_zeros) add(v, 0);
         for (uint32_t h : model_.tripod) {
             const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
             for (uint32_t g : corners) add(mesh.origin[g], 0);
@@ -201,7 +201,7 @@ private:
         part_step_ = effort.part;
         if (part_step_) {
             multigrid_.release_vectors();
-            if (!part_.take(model_, distance_, Solver::multigrid, w_.call)) return false;
+            if (!part_.extract(model_, distance_, Solver::multigrid, w_.call)) return false;
         } else {
             ++w_.statistics.linear_solves;
         }
@@ -224,14 +224,14 @@ private:
                 step_.set_values(1);
             }
             if (!w_.go_on()) return false;
-            uint64_t extrema = step_.find_suspects();
+            uint64_t extrema = step_.find_candidates();
             if (had == UINT64_MAX) limbs_were_wrong_ = extrema > few_extrema;
             if (extrema > few_extrema && !tight) {
                 // Unknowns fixed at their bounds restrict their neighbors: start again from the unprojected solution.
                 step_.restore();
                 std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
                 set_bounded_values();
-                extrema = step_.find_suspects();
+                extrema = step_.find_candidates();
             }
             if (extrema <= few_extrema || extrema >= had || accuracy < steering::end_of_doubles) return true;
             had = extrema;
@@ -254,7 +254,7 @@ private:
             if (d > static_cast<double>(model_.upper[v])) d = static_cast<double>(model_.upper[v]);
         }
         step_.set_values(1);
-        step_.find_suspects();
+        step_.find_candidates();
     }
 
     // Leaves the values changed where it is not accepted.
@@ -273,17 +273,18 @@ private:
                 bounds_met_ = UINT64_MAX; // some are held
                 step_.set_values(factor);
                 if (!w_.go_on()) return interrupted(w_.call);
-                step_.find_suspects();
+                step_.find_candidates();
             }
-            step_.list_unsound(picked_);
-            const bool sound = step_.settle(factor, patch_) && (unchecked || step_.zeros_are_in_place());
+            step_.list_invalid(picked_);
+            const bool valid = step_.remove_extrema(factor, patch_) && (unchecked || step_.zeros_are_in_place());
             if (!w_.go_on()) return interrupted(w_.call);
-            if (sound) energy_change_ = step_.energy_change();
-            if (sound && (unchecked || energy_change_ <= steering::rounding_of_energy * model_.energy)) {
+            if (valid) energy_change_ = step_.energy_change();
+            if (valid && (unchecked || energy_change_ <= steering::rounding_of_energy * model_.energy)) {
                 bool kept = true;
                 if (w_.gated) {
-                    if (const hmf_status status = w_.watch->look(w_.state, w_.recorder.unit(), w_.call)) return status;
-                    kept = w_.watch->holds();
+                    if (const hmf_status status = w_.guard->certify(w_.state, w_.recorder.unit(), w_.call))
+                        return status;
+                    kept = w_.guard->holds();
                 }
                 if (kept) {
                     accepted = factor;
@@ -291,7 +292,7 @@ private:
                 }
                 step_.restore();
                 bool held = false;
-                if (!hold_overturned(held)) return w_.call.out_of_memory();
+                if (!fix_overturned(held)) return w_.call.out_of_memory();
                 if (!held) factor *= 0.5;
                 continue;
             }
@@ -301,7 +302,7 @@ private:
                 tight = true;
                 if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
-            } else if (sound && !part_step_
+            } else if (valid && !part_step_
                        && (solves < steering::solves_of_a_step || energy_change_ < steering::rise_gets_less * rise)
                        && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
                 ++solves;
@@ -315,7 +316,7 @@ private:
                 // Where the certificate judges, zeros may move: there one place at a time is held.
                 if (w_.gated || unchecked) picked_.clear();
                 picked_.add(step_.too_far());
-                model_.freeze(f_, w_.rings, picked_, radius, patch_, distance_);
+                model_.fix_around(f_, w_.rings, picked_, radius, patch_, distance_);
             } else {
                 factor *= 0.5;
             }
@@ -326,7 +327,7 @@ private:
     // The values before the step are back, the step is not.  A step keeps the class if
     // each vertex has in each of its directions an edge that the step does not
     // reverse: the others stay where they are from now on.  any: there are some, and not too many.
-    Done hold_overturned(bool& any) {
+    Done fix_overturned(bool& any) {
         Array<uint32_t> held;
         held.start(w_.call.memory);
         for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < steering::most_overturned; ++v) {
@@ -348,7 +349,7 @@ private:
         }
         any = !held.empty() && held.size() < steering::most_overturned;
         if (!any) return true;
-        model_.freeze(f_, w_.rings, held, 1, patch_, distance_);
+        model_.fix_around(f_, w_.rings, held, 1, patch_, distance_);
         return true;
     }
 
@@ -379,7 +380,7 @@ private:
         const SignedMatrix matrix = model_.matrix();
         LinearOptions options = stop_at(residual);
         if (multigrid_ready_ && !has_changed_much()) {
-            options.hopeless_ends = true;
+            options.stop_if_too_slow = true;
             if (!multigrid_.claim_vectors(w_.call.memory)) return false;
             multigrid_.refresh(matrix, model_.changed.data(), w_.call.parallel);
             model_.forget_changes(w_.call.parallel);
@@ -387,7 +388,7 @@ private:
                                                          steering::iterations_with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
-            options.hopeless_ends = false;
+            options.stop_if_too_slow = false;
         }
         multigrid_ready_ = false;
         if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels))
@@ -412,10 +413,10 @@ private:
     Done solve_directly(bool held) {
         ++w_.statistics.linear_solves;
         for (uint32_t v = 0; v < model_.count; ++v) distance_[v] = 0;
-        for (size_t k = 0; held && k < model_.fixed.size(); ++k) distance_[model_.fixed[k]] = NONE;
+        for (size_t k = 0; held && k < model_.at_bounds.size(); ++k) distance_[model_.at_bounds[k]] = NONE;
         multigrid_.release_vectors();
-        const bool done =
-            part_.take(model_, distance_, Solver::direct, w_.call) && part_.solve(model_, steering::tightest, w_.call);
+        const bool done = part_.extract(model_, distance_, Solver::direct, w_.call)
+                       && part_.solve(model_, steering::tightest, w_.call);
         part_.release();
         return done;
     }
@@ -427,8 +428,8 @@ private:
             LinearResult result;
             if (!direct_) {
                 LinearOptions options = stop_at(residual);
-                options.fixed = model_.fixed.data();
-                options.fixed_count = model_.fixed.size();
+                options.fixed = model_.at_bounds.data();
+                options.fixed_count = model_.at_bounds.size();
                 if (!multigrid_.claim_vectors(w_.call.memory)) return false;
                 result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
                                           steering::iterations_between_bounds, w_.call, options);
@@ -442,12 +443,12 @@ private:
         return true;
     }
 
-    // After a step: do the vertices that came to a bound rest there?  Then the
+    // After a step: do the vertices that came to a bound stay there?  Then the
     // model lasts.  Else they go on past it in the next step.
     bool zeros_stay() {
         model_.fix_active();
-        for (uint32_t v : model_.fixed)
-            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > steering::resting_share) return false;
+        for (uint32_t v : model_.at_bounds)
+            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > steering::balanced_share) return false;
         return true;
     }
 
@@ -455,30 +456,30 @@ private:
     Foliation& f_;
     const double* weight_;
     TwistedModel model_;
-    WholeStep step_;
+    NewtonUpdate step_;
     SignedMultigrid multigrid_;
     bool multigrid_ready_ = false;
     bool zeros_everywhere_ = false, limbs_were_wrong_ = false, checked_ = false;
     uint64_t bounds_met_ = UINT64_MAX; // by the last step
-    PartSystem part_;
+    SubdomainSolver part_;
     bool part_step_ = false; // the step in hand is one of the part
     bool direct_ = false;    // the multigrid fails on this level
     bool smooth_only_;
     Array<double> unbounded_; // the solution of the model before it was brought into its bounds
     Array<uint32_t> patch_, distance_;
-    Array<uint32_t> picked_; // vertices near zeros, or those that a step has made unsound
+    Array<uint32_t> picked_; // vertices near zeros, or those that a step has made invalid
     bool backward_ = false;
-    double energy_change_ = 0; // of the last step that was sound
+    double energy_change_ = 0; // of the last step that was valid
 };
 
 // A coarsest level ends early where zeros are nearly everywhere, or known to be in place.
-bool is_good_start(const LevelPlan& plan, const Newton& newton, double residual) {
+bool is_good_start(const LevelPolicy& plan, const Newton& newton, double residual) {
     return (plan.is_long_coarsest() && newton.zeros_are_everywhere() && residual <= steering::coarsest_residual_of_many)
         || (plan.cheap && newton.was_within_bounds() && residual <= steering::coarsest_residual_in_place);
 }
 
 // For the whole level, or a part of it.
-Effort next_effort(const LevelWork& work, const LevelPlan& plan, Newton& newton, Parts& parts, uint32_t round,
+Effort next_effort(const LevelWork& work, const LevelPolicy& plan, Newton& newton, LocalSteps& parts, uint32_t round,
                    double residual) {
     Effort effort = effort_for(round, residual, plan.goal, plan.finest);
     if (plan.finest && !work.gated && parts.are_worth_it(round, residual))
@@ -492,29 +493,29 @@ Effort next_effort(const LevelWork& work, const LevelPlan& plan, Newton& newton,
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
-    const LevelPlan plan(work, tolerance);
+    const LevelPolicy plan(work, tolerance);
     const bool finest = plan.finest;
     const double goal = plan.goal;
     Newton newton(work, plan.smooth_only);
     if (!newton.allocate()) return work.call.out_of_memory();
     newton.sweeps(plan.coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
     if (plan.sweep_only) return work.call.cancelled() || work.call.finishing() ? HMF_CANCELLED : HMF_OK;
-    Progress progress;
+    StallDetector progress;
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
-    UnitOfLevel unit{!finest};
-    Parts parts;
+    UnitRefinement unit{!finest};
+    LocalSteps parts;
     uint32_t stalls_left = work.options.unchecked > 0 ? 0 : steering::stalls;
     bool moves_wait = false, zeros_moved = false;
     uint32_t failed = 0;   // steps in a row that were not taken whole
     double tight_from = 0; // the residual before a tight step of the whole level within all bounds
     for (uint32_t round = 0; round < plan.rounds; ++round) {
-        if (!newton.look()) return interrupted(work.call);
+        if (!newton.linearize()) return interrupted(work.call);
         const TwistedModel& model = newton.model();
         // After a step that was solved for to the end moves are made only if it has not reached the goal.
         if (moves_wait && model.residual_max > goal) {
             newton.relax_after_step(finest && round > steering::far_after + 1);
             if (round > steering::late_after_tight + 1) newton.sweeps(steering::late_sweeps);
-            if (!newton.look()) return interrupted(work.call);
+            if (!newton.linearize()) return interrupted(work.call);
         }
         moves_wait = false;
         // Such a step should have left little of it.
@@ -527,7 +528,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
         if (residual <= goal || is_good_start(plan, newton, residual)) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
-            if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
+            if (work.guard && !newton.hand_over(work.guard->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
         const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::patience_with_zeros) : unit.patience;
@@ -535,7 +536,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (finest && unit.is_refined(work, goal, progress)) continue;
             if (!finest) return HMF_OK;
             if (const hmf_status status = newton.step_precisely()) return status;
-            if (!newton.look()) return interrupted(work.call);
+            if (!newton.linearize()) return interrupted(work.call);
             if (model.residual_max > goal && (stalls_left == 0 || !newton.move_zeros(goal)))
                 return end_beyond_rounding(work, goal);
             stalls_left -= stalls_left > 0;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../foliation/sweep.hpp"
-#include "class_watch.hpp"
+#include "class_guard.hpp"
 
 namespace hmf {
 
@@ -24,7 +24,7 @@ struct SolveOptions : hmf_solve_options {
 
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
-    bool guarded = false;                     // stops if every step would leave the class; needs a ClassWatch
+    bool guarded = false;                     // stops if every step would leave the class; needs a ClassGuard
 };
 
 // Measures of the foliation at the end of a method.
@@ -62,7 +62,7 @@ private:
 };
 
 // Outcome of adapting the unit of the values to a residual.
-struct Fineness {
+struct UnitChange {
     bool changed; // the unit has changed
     bool enough;  // rounding is no longer in the way
 };
@@ -74,7 +74,7 @@ struct LevelWork {
     const SolveOptions& options;
     Call& call;
     Recorder& recorder;
-    ClassWatch* watch; // or NULL
+    ClassGuard* guard; // or NULL
     bool gated;        // each step of all vertices has to stay in the class
     Rings rings;
     Star star;
@@ -85,7 +85,7 @@ struct LevelWork {
     // Between two passes over the mesh; false: cancelled or asked to finish.
     Done go_on() { return call.tick(0, true) && !call.finishing(); }
     // Refines the unit until rounding causes at most half of this residual, or as far as options.largest_value allows.
-    Fineness refine_unit(double residual);
+    UnitChange refine_unit(double residual);
     Done record(uint32_t kind, double energy_units, double residual_max) {
         return recorder.event(state.level, kind, energy_units, residual_max);
     }
@@ -108,6 +108,6 @@ inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.
 [[nodiscard]] hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                                     ClassWatch* watch = nullptr);
+                                     ClassGuard* guard = nullptr);
 
 } // namespace hmf

@@ -84,7 +84,7 @@ constexpr uint32_t iterations_between_bounds = 100; // guard
 constexpr uint32_t passes_between_bounds = 4;
 // A vertex is fixed at a bound if its pull is balanced up to this share, well above the error of a loose solve near the
 // minimum.
-constexpr double resting_share = 1e-4;
+constexpr double balanced_share = 1e-4;
 
 // A step that fails is repeated with the vertices within some rings of the failure fixed. There is one ring more every
 // widen_every attempts; after mending_attempts the whole step is halved.
@@ -110,7 +110,7 @@ constexpr uint32_t near_rings = 3, near_passes = 20;
 constexpr uint32_t far_rings = 6, far_passes = 40;
 constexpr uint32_t far_after = 2; // rounds
 // After the first pass a vertex is moved again only if it or a neighbor moved by more than this share of the residual.
-constexpr double share_at_rest = 1e-3;
+constexpr double negligible_move = 1e-3;
 // If zeros are nearly everywhere: at most this many moves for each vertex of the level, or this many passes.
 constexpr uint32_t moves_per_vertex = 8, least_passes = 4;
 constexpr double everywhere = 0.75; // of the vertices are picked: least_passes
@@ -142,7 +142,7 @@ constexpr uint32_t budget_on_large_level = 512;
 // The budget of all searches of a sweep together, per vertex of a level that is not small.
 constexpr uint32_t credit_per_vertex = 4;
 // Sweeps of single moves end after this many without a move, in both orders.
-constexpr uint32_t sweeps_at_rest = 2;
+constexpr uint32_t sweeps_without_move = 2;
 constexpr double sweeps_of_half_progress = 50; // the number of sweeps is not known in advance
 
 } // namespace steering

@@ -7,15 +7,15 @@ namespace hmf {
 Done TwistedModel::allocate(const Mesh& mesh, Memory& memory, const Parallel& parallel) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
     tripod.start(memory);
-    resting.start(memory);
+    fixed_zeros.start(memory);
     bounded.start(memory);
     special_.start(memory);
-    fixed.start(memory);
-    return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n)
-        && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0, parallel) && rests.allocate(memory, n)
-        && entry.allocate_filled(memory, 2 * m, 0, parallel) && changed.allocate_filled(memory, n, 0, parallel)
-        && diagonal.allocate(memory, n) && right.allocate(memory, n) && row_scale.allocate(memory, n)
-        && lower.allocate_filled(memory, n, INT64_MIN, parallel)
+    at_bounds.start(memory);
+    return tripod.reserve(64) && fixed_zeros.reserve(n) && bounded.reserve(n) && special_.reserve(n)
+        && at_bounds.reserve(n) && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0, parallel)
+        && is_fixed.allocate(memory, n) && entry.allocate_filled(memory, 2 * m, 0, parallel)
+        && changed.allocate_filled(memory, n, 0, parallel) && diagonal.allocate(memory, n) && right.allocate(memory, n)
+        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN, parallel)
         && upper.allocate_filled(memory, n, INT64_MAX, parallel) && d.allocate(memory, n);
 }
 
@@ -50,7 +50,7 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
     if (kind == Kind::regular && (marked || closed != 2 || tripods)) return false;
     index[v] = 2 - marked - static_cast<int32_t>(closed);
     if (marked && closed == 1) {
-        hold(rings, v);
+        fix(rings, v);
     } else if (closed == 2 && !marked) {
         const bool turned = set_signs(f, side, degree, weight, second);
         // To the bit the residual that read_star gives.
@@ -59,11 +59,11 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
         const double size = 2 * pull_of[to_second] - pull;
         const double excess = to_second ? -size : size;
         residuals.add(size > 0 ? size / scale : 0);
-        rests[v] = 0;
+        is_fixed[v] = 0;
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
     } else {
-        set_at_rest(rings, v);
+        fix_zero(rings, v);
         special_.add(v);
     }
     return true;
@@ -108,21 +108,21 @@ bool TwistedModel::set_signs(const Foliation& f, const Rings::Side* side, uint32
     return turned;
 }
 
-void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
-    resting.add(v);
-    hold(rings, v);
+void TwistedModel::fix_zero(const Rings& rings, uint32_t v) {
+    fixed_zeros.add(v);
+    fix(rings, v);
 }
 
 // Rests, and its neighbors may pass it.
-void TwistedModel::hold(const Rings& rings, uint32_t v) {
-    rests[v] = 1;
+void TwistedModel::fix(const Rings& rings, uint32_t v) {
+    is_fixed[v] = 1;
     right[v] = row_scale[v] = 0;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
 }
 
 void TwistedModel::set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
                             const int8_t* step, double floor) {
-    rests[v] = 0;
+    is_fixed[v] = 0;
     double b = 0, pull = 0;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t, ++step) {
         const uint32_t h = rings.side[t].half_edge;
@@ -146,11 +146,11 @@ Done TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
         if (!find_tripods(f, rings, u)) return false;
         index[u] = 0;
         if (!regular) {
-            if (balanced) hold(rings, u);
-            else set_at_rest(rings, u);
+            if (balanced) fix(rings, u);
+            else fix_zero(rings, u);
             continue;
         }
-        rests[u] = 0;
+        is_fixed[u] = 0;
         double b = 0, pull = 0;
         for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) {
             const uint32_t h = rings.side[t].half_edge;
@@ -166,7 +166,7 @@ Done TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
     return true;
 }
 
-Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {
+Done TwistedModel::linearize(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {
     const uint32_t n = count = f.mesh.vertex_count;
     offset = rings.offset.data();
     column = rings.neighbor.data();
@@ -189,13 +189,13 @@ Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     energy = sums.energy;
     const double floor = pull_floor(sums.pull, n);
     tripod.clear();
-    resting.clear();
+    fixed_zeros.clear();
     special_.clear();
     if (!call.tick(0, true)) return false;
     // Nearly all are regular.  The others are listed by each block where it lies, and follow in order.
     const size_t size = Parallel::pass_block(n);
     uint32_t listed[Parallel::most_parts];
-    uint32_t* const list = fixed.data(); // room for all, not in use now
+    uint32_t* const list = at_bounds.data(); // room for all, not in use now
     Residuals part[Parallel::most_parts], residuals;
     call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         Residuals here;
@@ -226,7 +226,7 @@ Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     // A monogon moves with the vertex on which it hangs.
     for (uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
-        if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
+        if (rings.is(v, Monogons::INSIDE)) is_fixed[v] = 1;
     for (uint32_t v : special_) {
         residuals.add(residual_at(f, rings, weight, v, floor, star));
         if (!call.work(64 + 8 * f.take_walked())) return false;
@@ -254,7 +254,7 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
                 same &= entry[t] == before;
             }
             changed[v] |= !same;
-            // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
+            // A fixed vertex keeps its place in the preconditioner: it may move in the next model.
             diagonal[v] = rings.weight_sum[v];
             d[v] = 0;
         }
@@ -262,17 +262,17 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
     for (uint32_t v = 0; v < count && !rings.monogons.vertex.empty(); ++v)
         if (rings.is(v, Monogons::SELF_EDGE)) fill_row_with_self_edges(f, rings, weight, v);
     if (!call.tick(0, true)) return;
-    for (uint32_t v : resting) {
-        bound(v, 0, rests[v] ? 0 : 1);
+    for (uint32_t v : fixed_zeros) {
+        bound(v, 0, is_fixed[v] ? 0 : 1);
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
             const uint32_t h = rings.side[t].half_edge;
-            if (!rests[column[t]]) bound_along(column[t], twin(h), f.at(h));
+            if (!is_fixed[column[t]]) bound_along(column[t], twin(h), f.at(h));
         }
     }
     for (uint32_t h : tripod) {
         const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
         for (uint32_t g : corners)
-            if (!rests[mesh.origin[g]]) bound_along(mesh.origin[g], g, f.corner2(g) / 2);
+            if (!is_fixed[mesh.origin[g]]) bound_along(mesh.origin[g], g, f.corner2(g) / 2);
     }
 }
 
@@ -287,10 +287,10 @@ void TwistedModel::fill_row_with_self_edges(const Foliation& f, const Rings& rin
         const uint32_t h = rings.side[t].half_edge;
         const double alpha = weight[edge_of(h)];
         const bool self = column[t] == v;
-        sum += self && !rests[v] ? alpha * (sign[h] + sign[twin(h)]) * sign[h] : alpha;
+        sum += self && !is_fixed[v] ? alpha * (sign[h] + sign[twin(h)]) * sign[h] : alpha;
         if (!self) continue;
         entry[t] = 0;
-        if (!rests[v] && sign[h] == sign[twin(h)]) bound_along(v, h, f.at(h) / 2);
+        if (!is_fixed[v] && sign[h] == sign[twin(h)]) bound_along(v, h, f.at(h) / 2);
     }
     diagonal[v] = sum;
 }
@@ -326,17 +326,17 @@ bool TwistedModel::clip(uint32_t k) {
 }
 
 // Vertex k stops at its bound. The bounds of its neighbors follow: F - s_k d_k - s d >= 0.
-void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
+void TwistedModel::fix_at_bound(const Foliation& f, const Rings& rings, uint32_t k) {
     const int64_t at = at_bound(k) ? bound_at(k) : static_cast<int64_t>(d[k]);
     for (uint32_t t = rings.offset[k]; t < rings.offset[k + 1]; ++t) {
         const uint32_t h = rings.side[t].half_edge, other = f.mesh.target(h);
-        if (rests[other] || other == k) continue;
+        if (is_fixed[other] || other == k) continue;
         const int64_t room = f.at(h) - sign[h] * at;
         if (room >= 0) bound_along(other, twin(h), room); // else another branch point is in between
     }
 }
 
-// Projected Gauss-Seidel in the neighborhood of the patch, whose unknowns rest.
+// Projected Gauss-Seidel in the neighborhood of the patch, whose unknowns are fixed.
 void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch,
                                 Array<uint32_t>& distance) {
     constexpr uint32_t rings_around = 8;
@@ -345,7 +345,7 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
         if (distance[k] == rings_around) continue;
         for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) {
             const uint32_t other = column[j];
-            if (distance[other] != NONE || rests[other]) continue;
+            if (distance[other] != NONE || is_fixed[other]) continue;
             distance[other] = distance[k] + 1;
             patch.add(other);
         }
@@ -358,21 +358,21 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
             const uint32_t k = patch[s % 2 ? patch.size() - 1 - i : i];
             d[k] = relaxed(k);
             if (at_bound(k) && distance[k] != 0) {
-                distance[k] = 0; // rests from now on
-                rest(f, rings, k);
+                distance[k] = 0; // fixed from here on
+                fix_at_bound(f, rings, k);
             }
         }
 }
 
 void TwistedModel::fix_active() {
-    fixed.clear();
+    at_bounds.clear();
     for (uint32_t k : bounded)
-        if (!rests[k] && at_bound(k)) fixed.add(k);
+        if (!is_fixed[k] && at_bound(k)) at_bounds.add(k);
 }
 
 bool TwistedModel::release() {
     bool any = false;
-    for (uint32_t k : fixed) {
+    for (uint32_t k : at_bounds) {
         const double x = relaxed(k);
         any |= x != d[k];
         d[k] = x;
@@ -385,23 +385,23 @@ uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uin
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
     for (uint32_t k : bounded)
-        if (clip(k) && !rests[k]) { // of one that rests it is what the solver adds to right sides
+        if (clip(k) && !is_fixed[k]) { // of a fixed one it is what the solver adds to right sides
             distance[k] = 0;
             patch.add(k);
         }
     const uint64_t active = patch.size();
-    for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
+    for (size_t i = 0; i < active; ++i) fix_at_bound(f, rings, patch[i]);
     if (active > 0) relax_around(f, rings, patch, distance);
     return active;
 }
 
-void TwistedModel::freeze(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
-                          Array<uint32_t>& patch, Array<uint32_t>& distance) {
+void TwistedModel::fix_around(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
+                              Array<uint32_t>& patch, Array<uint32_t>& distance) {
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
     // Rings of unknowns around them; distance counts up and is set back below.
     const auto add = [&](uint32_t k, uint32_t ring) {
-        if (rests[k] || distance[k] != NONE) return;
+        if (is_fixed[k] || distance[k] != NONE) return;
         distance[k] = ring;
         patch.add(k);
     };
@@ -419,8 +419,8 @@ void TwistedModel::freeze(const Foliation& f, const Rings& rings, const Array<ui
         d[k] = 0;
         bound(k, 0, 0);
     }
-    const size_t frozen = patch.size();
-    for (size_t i = 0; i < frozen; ++i) rest(f, rings, patch[i]);
+    const size_t fixed_count = patch.size();
+    for (size_t i = 0; i < fixed_count; ++i) fix_at_bound(f, rings, patch[i]);
     relax_around(f, rings, patch, distance);
 }
 

@@ -8,17 +8,17 @@
 //
 // and the energy sum alpha F'^2 is quadratic in d.  Zero edges inside a
 // regular cluster get opposite signs at their two ends: F' = |d_i - d_j|.
-// Vertices of other clusters (zeros) rest.  Marked vertices never move, and
-// those that share a regular cluster with one rest for this step, as the signs
+// Vertices of other clusters (zeros) are fixed.  Marked vertices never move, and
+// vertices that share a regular cluster with one are fixed for this step, as the signs
 // change when one goes around a marked vertex.  Their neighbors may pass them:
 // the value is the distance before and after.  The model is exact while
 //
 //     s d_v <= a_v        at every corner of a tripod: stop at its branch point
-//     s d_v <= F_vm       at every neighbor m of a zero, which rests: stop there
+//     s d_v <= F_vm       at every neighbor m of a zero, which is fixed: stop there
 //
 // and no vertex becomes an extremum of the local potential.  A vertex that
-// stops at a branch point rests there in its turn: its neighbors must not
-// pass it, either.
+// stops at a branch point is fixed there: its neighbors must not pass it,
+// either.
 #pragma once
 
 #include "../foliation/whitehead.hpp"
@@ -27,15 +27,15 @@
 namespace hmf {
 
 struct TwistedModel {
-    uint32_t count = 0;      // unknowns: one per vertex; the entries of those that rest are 0
-    Array<int8_t> sign;      // per half-edge; 0 where the origin rests
-    Array<uint8_t> rests;    // per vertex
-    Array<uint32_t> resting; // those of them that no neighbor may pass: zeros
-    Array<uint32_t> tripod;  // a half-edge of each, before the step
-    Array<int32_t> index;    // per vertex, before the step; a cluster's at one of its vertices
-    double energy = 0;       // before the step, in squared units
-    double residual_max = 0; // before the step, over all vertices ([W] Eq. 4),
-    double residual_sum = 0; // and their sum
+    uint32_t count = 0;          // unknowns: one per vertex; the entries of fixed ones are 0
+    Array<int8_t> sign;          // per half-edge; 0 where the origin is fixed
+    Array<uint8_t> is_fixed;     // per vertex
+    Array<uint32_t> fixed_zeros; // the fixed vertices that no neighbor may pass: zeros
+    Array<uint32_t> tripod;      // a half-edge of each, before the step
+    Array<int32_t> index;        // per vertex, before the step; a cluster's at one of its vertices
+    double energy = 0;           // before the step, in squared units
+    double residual_max = 0;     // before the step, over all vertices ([W] Eq. 4),
+    double residual_sum = 0;     // and their sum
     // The matrix has the sides of the rings as entries, 0 for edges from a
     // vertex to itself.
     const uint32_t* offset = nullptr; // count + 1
@@ -47,22 +47,22 @@ struct TwistedModel {
     Array<uint32_t> bounded;       // unknowns that have a bound, in any order
     Array<double> d;               // count, the solution
     Array<float> row_scale;        // count, makes a row of the residual of the equations that of [W] Eq. 4
-    Array<uint32_t> fixed;         // unknowns that the equations leave out, by fix_active()
+    Array<uint32_t> at_bounds;     // unknowns that the equations leave out, by fix_active()
 
     Done allocate(const Mesh& mesh, Memory& memory, const Parallel& parallel = Parallel());
     // Signs, right side, zeros, energy and residual of the current foliation.
     // The choice of the + direction is free. The previous one is kept if the pulls agree with it, so that the matrix
     // hardly changes away from the zeros.
-    Done look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
-    // Matrix and bounds, after look().  Stops half-way if the call is cancelled.
+    Done linearize(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
+    // Matrix and bounds, after linearize().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
     void forget_changes(const Parallel& parallel);
-    // After look(): a zero that rests may go by less than a unit, as plan_move has planned it; step: of its sides.
+    // After linearize(): lets a fixed zero move by less than a unit, as plan_move has planned it; step: of its sides.
     void set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, const int8_t* step,
                   double floor);
     SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
     // No zeros, hence no bounds: one step reaches the minimum.
-    bool is_exact() const { return tripod.empty() && resting.empty(); }
+    bool is_exact() const { return tripod.empty() && fixed_zeros.empty(); }
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
@@ -71,8 +71,8 @@ struct TwistedModel {
     // Releases those of them whose gradient points away from the bound; true: there were any.
     bool release();
     // Fixes the vertices within some rings of the given ones, and adapts the bounds of the others.
-    void freeze(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
-                Array<uint32_t>& patch, Array<uint32_t>& distance);
+    void fix_around(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
+                    Array<uint32_t>& patch, Array<uint32_t>& distance);
     // New value of d_v from its neighbors, within the bounds.
     double relaxed(uint32_t unknown_index) const;
     // d_k has come to a bound, and which one, exactly.
@@ -97,13 +97,13 @@ private:
     bool set_signs(const Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, uint64_t second);
     Done look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
     Done find_tripods(Foliation& f, const Rings& rings, uint32_t v);
-    void hold(const Rings& rings, uint32_t v);
-    void set_at_rest(const Rings& rings, uint32_t v);
+    void fix(const Rings& rings, uint32_t v);
+    void fix_zero(const Rings& rings, uint32_t v);
     void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);
     void bound(uint32_t k, int64_t low, int64_t high);
     void bound_along(uint32_t k, uint32_t half_edge, int64_t room);
     bool clip(uint32_t k);
-    void rest(const Foliation& f, const Rings& rings, uint32_t k);
+    void fix_at_bound(const Foliation& f, const Rings& rings, uint32_t k);
     void relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
 
     Array<uint32_t> special_; // vertices whose residual needs the whole star

@@ -358,7 +358,7 @@ TEST(SignedMultigrid, GivesUpWhereTheGoalIsOutOfReach) {
     ASSERT_TRUE(multigrid.setup(before.matrix(), memory));
     const std::vector<double> b = noise(3600, random);
     hmf::LinearOptions options;
-    options.hopeless_ends = true;
+    options.stop_if_too_slow = true;
     std::vector<double> x(3600, 0);
     const hmf::LinearResult good = multigrid.solve(before.matrix(), b.data(), x.data(), 1e-6, 16, call, options);
     EXPECT_TRUE(good.converged);
@@ -368,7 +368,7 @@ TEST(SignedMultigrid, GivesUpWhereTheGoalIsOutOfReach) {
     EXPECT_FALSE(bad.converged);
     EXPECT_LT(bad.iterations, 8u);
     x.assign(3600, 0);
-    options.hopeless_ends = false;
+    options.stop_if_too_slow = false;
     EXPECT_EQ(multigrid.solve(turned.matrix(), b.data(), x.data(), 1e-6, 16, call, options).iterations, 16u);
 }
 

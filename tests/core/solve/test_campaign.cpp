@@ -604,7 +604,7 @@ TEST(Campaign, FractionsBelongToAFoliation) {
     EXPECT_GT(hmf::residuals(f, rings, weight, star, whole.data(), call).max, 10 * tolerance);
     const std::vector<double> of_call = residuals(s.foliation, p.mesh.vertex_count());
     EXPECT_DOUBLE_EQ(*std::max_element(of_call.begin(), of_call.end()), s.report.residual_max);
-    ASSERT_TRUE(model.allocate(mesh, memory) && model.look(f, rings, weight, star, call));
+    ASSERT_TRUE(model.allocate(mesh, memory) && model.linearize(f, rings, weight, star, call));
     const hmf::SingularityCount zeros = hmf::count_singularities(f);
     constexpr int64_t finer = 8;
     const auto place = [&](uint32_t h) {

@@ -128,13 +128,13 @@ struct Start {
     void reload(const std::vector<int64_t>& weight) {
         load(weight);
         // The walks go with the mesh of the state.
-        watch.listen(state);
-        ASSERT_TRUE(watch.words.start(state.foliation.mesh, h().levels[0].mesh.edge_count, call));
+        guard.listen(state);
+        ASSERT_TRUE(guard.words.start(state.foliation.mesh, h().levels[0].mesh.edge_count, call));
     }
     const hmf_hierarchy& h() const { return *hierarchy.get(); }
-    hmf::ClassResult look() {
-        EXPECT_EQ(watch.look(state, 1, call), HMF_OK);
-        return watch.result;
+    hmf::ClassCheck look() {
+        EXPECT_EQ(guard.certify(state, 1, call), HMF_OK);
+        return guard.result;
     }
 
     int bits = 40; // of the weight 1
@@ -145,7 +145,7 @@ struct Start {
     hmf::State state;
     hmf::Loops loops;
     hmf::Array<int64_t> weights;
-    hmf::ClassWatch watch;
+    hmf::ClassGuard guard;
 };
 
 } // namespace
@@ -154,8 +154,8 @@ TEST(ClassCertificate, SaysYesOnEveryLevel) {
     for (const TriMesh& mesh : {pretzel(3, 3), plate(2), torus(40, 20, 3, 1)}) {
         Start start(mesh, HMF_LOOPS_PANTS);
         start.load({5, 3, 3, 7, 1, 3});
-        ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
-        EXPECT_TRUE(start.watch.started);
+        ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+        EXPECT_TRUE(start.guard.started);
         EXPECT_EQ(start.look().state, hmf::ClassState::proven);
         while (start.state.level > 0) {
             ASSERT_TRUE(start.state.refine(start.call));
@@ -169,17 +169,17 @@ TEST(ClassCertificate, SaysYesOnEveryLevel) {
 TEST(ClassCertificate, SaysWhichHeightIsWrong) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     start.load({5, 3, 3, 7, 1, 3});
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
     const std::vector<int64_t> weights = {5, 3, 3, 7, 1, 3};
     for (size_t c = 0; c < weights.size(); ++c) {
         std::vector<int64_t> others = weights;
         others[c] += 1;
         start.reload(others);
-        const hmf::ClassResult result = start.look();
+        const hmf::ClassCheck result = start.look();
         EXPECT_EQ(result.state, hmf::ClassState::lost);
         EXPECT_EQ(result.loss, hmf::ClassLoss::height);
         EXPECT_EQ(result.loop, c);
-        EXPECT_TRUE(start.watch.started);
+        EXPECT_TRUE(start.guard.started);
         EXPECT_EQ(result.wanted, std::ldexp(static_cast<double>(weights[c]), 40));
         EXPECT_EQ(result.found, std::ldexp(static_cast<double>(others[c]), 40));
     }
@@ -189,9 +189,9 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
 TEST(ClassCertificate, SaysWhetherTheStartAgrees) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     const auto agrees = [&](bool by_class) {
-        EXPECT_EQ(start.watch.start(start.state, 1, by_class ? &start.loops : nullptr, start.weights, start.call),
+        EXPECT_EQ(start.guard.start(start.state, 1, by_class ? &start.loops : nullptr, start.weights, start.call),
                   HMF_OK);
-        return start.watch.started;
+        return start.guard.started;
     };
     start.load({5, 3, 4, 7, 1, 2});
     for (const bool by_class : {false, true}) {
@@ -215,15 +215,15 @@ TEST(ClassCertificate, SaysWhetherTheStartAgrees) {
 TEST(ClassCertificate, KnowsAFinerUnit) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     start.load({5, 3, 3, 7, 1, 3});
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
     start.reload({20, 12, 12, 28, 4, 12});
-    EXPECT_EQ(start.watch.look(start.state, 0.25, start.call), HMF_OK);
-    EXPECT_EQ(start.watch.result.state, hmf::ClassState::proven);
+    EXPECT_EQ(start.guard.certify(start.state, 0.25, start.call), HMF_OK);
+    EXPECT_EQ(start.guard.result.state, hmf::ClassState::proven);
     start.reload({20, 12, 12, 28, 5, 12});
-    EXPECT_EQ(start.watch.look(start.state, 0.25, start.call), HMF_OK);
-    EXPECT_EQ(start.watch.result.state, hmf::ClassState::lost);
-    EXPECT_EQ(start.watch.result.loop, 4u);
-    EXPECT_EQ(start.watch.result.found, 1.25 * start.watch.result.wanted);
+    EXPECT_EQ(start.guard.certify(start.state, 0.25, start.call), HMF_OK);
+    EXPECT_EQ(start.guard.result.state, hmf::ClassState::lost);
+    EXPECT_EQ(start.guard.result.loop, 4u);
+    EXPECT_EQ(start.guard.result.found, 1.25 * start.guard.result.wanted);
 }
 
 // All loops have their cylinders, and there is one more.
@@ -231,12 +231,12 @@ TEST(ClassCertificate, SaysThatThereIsACylinderTooMany) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     start.load({5, 3, 3, 7, 1});
     const hmf::Array<int64_t> not_all; // of the loops
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, not_all, start.call), HMF_OK);
+    ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, not_all, start.call), HMF_OK);
     start.reload({5, 3, 3, 7, 1});
     EXPECT_EQ(start.look().state, hmf::ClassState::proven);
     start.reload({5, 3, 3, 7, 1, 2});
     EXPECT_EQ(start.look().state, hmf::ClassState::lost);
-    EXPECT_EQ(start.watch.result.loss, hmf::ClassLoss::leaves);
+    EXPECT_EQ(start.guard.result.loss, hmf::ClassLoss::leaves);
 }
 
 // With a marked vertex pants have a pair of loops that only the mark lies between.
@@ -252,11 +252,11 @@ TEST(ClassCertificate, TellsLoopsOnBothSidesOfAMarkApart) {
         SCOPED_TRACE(testing::PrintToString(weight));
         start.reload(weight);
         EXPECT_EQ(start.look().state, state);
-        EXPECT_EQ(start.watch.result.loss, loss);
+        EXPECT_EQ(start.guard.result.loss, loss);
     };
     start.load({5, 3, 3});
-    ASSERT_EQ(start.watch.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
-    ASSERT_TRUE(start.watch.started);
+    ASSERT_EQ(start.guard.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
+    ASSERT_TRUE(start.guard.started);
     expect({5, 3, 3}, hmf::ClassState::proven, hmf::ClassLoss::none);
     expect({5, 3, 2}, hmf::ClassState::lost, hmf::ClassLoss::height);
     expect({5, 3, 3, 1}, hmf::ClassState::lost, hmf::ClassLoss::leaves);
@@ -265,7 +265,7 @@ TEST(ClassCertificate, TellsLoopsOnBothSidesOfAMarkApart) {
         std::vector<int64_t> weight(4, 2);
         weight[without] = 0;
         start.load(weight);
-        ASSERT_EQ(start.watch.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
+        ASSERT_EQ(start.guard.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
         expect(weight, hmf::ClassState::proven, hmf::ClassLoss::none);
         for (size_t other = 0; other < 4; ++other) {
             if (other == without) continue;
@@ -281,11 +281,11 @@ TEST(ClassCertificate, SaysWhichCurveIsWrong) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     start.load({2, 2, 2, 0, 2});
     const hmf::Array<int64_t> not_all; // of the loops
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, not_all, start.call), HMF_OK);
+    ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, not_all, start.call), HMF_OK);
     start.reload({2, 2, 2, 0, 2});
     EXPECT_EQ(start.look().state, hmf::ClassState::proven);
     start.reload({2, 2, 0, 2, 2});
-    const hmf::ClassResult result = start.look();
+    const hmf::ClassCheck result = start.look();
     EXPECT_EQ(result.state, hmf::ClassState::lost);
     EXPECT_EQ(result.loss, hmf::ClassLoss::core);
     EXPECT_EQ(result.loop, 2u);
@@ -308,23 +308,23 @@ TEST(ClassGuard, SolvesWhereTheClassIsBrokenOnPurpose) {
         for (const uint32_t way : {0u, 1u, 2u}) { // checked; unchecked; unchecked, and guarded
             start.bits = 14; // too coarse for the tolerance: the unit gets finer, and goes back with the values
             start.load(weight);
-            ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+            ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
             hmf::Recorder recorder(false, start.call, 1);
             options.unchecked = way > 0 ? 3 : 0;
             const hmf_status status = way == 1
-                                        ? hmf::run_cascade(start.state, options, start.call, recorder, &start.watch)
-                                        : hmf::solve_in_class(start.state, options, start.call, recorder, start.watch);
+                                        ? hmf::run_cascade(start.state, options, start.call, recorder, &start.guard)
+                                        : hmf::solve_in_class(start.state, options, start.call, recorder, start.guard);
             ASSERT_LT(status, HMF_ERROR_NULL);
             if (way == 1) {
-                EXPECT_EQ(start.watch.look(start.state, recorder.unit(), start.call), HMF_OK);
-                EXPECT_NE(start.watch.result.state, hmf::ClassState::unknown);
-                const bool lost = start.watch.result.state == hmf::ClassState::lost;
+                EXPECT_EQ(start.guard.certify(start.state, recorder.unit(), start.call), HMF_OK);
+                EXPECT_NE(start.guard.result.state, hmf::ClassState::unknown);
+                const bool lost = start.guard.result.state == hmf::ClassState::lost;
                 broken += lost;
                 if (lost) std::printf("seed %llu: broken\n", static_cast<unsigned long long>(seed));
                 continue;
             }
             EXPECT_EQ(status, HMF_OK) << "seed " << seed << " way " << way;
-            EXPECT_EQ(start.watch.result.state, hmf::ClassState::proven);
+            EXPECT_EQ(start.guard.result.state, hmf::ClassState::proven);
             energies[way] =
                 hmf::energy(start.state.foliation, start.h().levels[0].weight) * recorder.unit() * recorder.unit();
         }
@@ -337,23 +337,23 @@ TEST(ClassGuard, SolvesWhereTheClassIsBrokenOnPurpose) {
 TEST(ClassGuard, SaysWhichLoopIsLost) {
     Start start(pretzel(2, 2), HMF_LOOPS_PANTS);
     start.load({5, 3, 1});
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
     start.reload({5, 4, 1});
     hmf::SolveOptions options;
     options.tolerance = 1e-8;
     hmf::Recorder recorder(false, start.call, 1);
-    EXPECT_EQ(hmf::solve_in_class(start.state, options, start.call, recorder, start.watch), HMF_LIMIT_CLASS);
-    EXPECT_EQ(start.watch.result.state, hmf::ClassState::lost);
-    EXPECT_EQ(start.watch.lost.loss, hmf::ClassLoss::height);
-    EXPECT_EQ(start.watch.lost.loop, 1u);
-    EXPECT_EQ(start.watch.repeats, start.hierarchy.levels());
+    EXPECT_EQ(hmf::solve_in_class(start.state, options, start.call, recorder, start.guard), HMF_LIMIT_CLASS);
+    EXPECT_EQ(start.guard.result.state, hmf::ClassState::lost);
+    EXPECT_EQ(start.guard.lost.loss, hmf::ClassLoss::height);
+    EXPECT_EQ(start.guard.lost.loop, 1u);
+    EXPECT_EQ(start.guard.repeats, start.hierarchy.levels());
 }
 
 // A level that the host ended is not looked at, and none is solved once more.
 TEST(ClassGuard, NothingIsRepeatedAfterAFinish) {
     Start start(pretzel(2, 2), HMF_LOOPS_PANTS);
     start.load({5, 3, 1});
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    ASSERT_EQ(start.guard.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
     start.reload({5, 4, 1}); // which is another class
     hmf::SolveOptions options;
     options.tolerance = 1e-8;
@@ -361,9 +361,9 @@ TEST(ClassGuard, NothingIsRepeatedAfterAFinish) {
     hmf::Call ending(
         start.memory, &start.error, [](void*, double) -> int32_t { return HMF_PROGRESS_FINISH; }, nullptr);
     hmf::Recorder recorder(false, ending, 1);
-    EXPECT_EQ(hmf::run_cascade(start.state, options, ending, recorder, &start.watch), HMF_CANCELLED);
+    EXPECT_EQ(hmf::run_cascade(start.state, options, ending, recorder, &start.guard), HMF_CANCELLED);
     EXPECT_EQ(start.state.level, options.stop_level);
-    EXPECT_EQ(start.watch.repeats, 0u);
+    EXPECT_EQ(start.guard.repeats, 0u);
 }
 
 // hmf_relax: what was known of the class is handed on, and Newton steps are certified.

@@ -36,7 +36,7 @@ struct Loaded {
         EXPECT_FALSE(hmf::load_solved(*s.foliation, state, unit, call));
         const hmf::Mesh& mesh = state.foliation.mesh;
         EXPECT_TRUE(rings.build(mesh, weight, memory) && star.allocate(memory, rings.max_degree)
-                    && model.allocate(mesh, memory) && model.look(state.foliation, rings, weight, star, call));
+                    && model.allocate(mesh, memory) && model.linearize(state.foliation, rings, weight, star, call));
     }
 };
 
@@ -64,17 +64,17 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
     star.budget = hmf::NONE;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         if (part[v] == 0) continue;
-        ++(model.rests[v] ? moved.zeros : moved.regular);
-        if (!model.rests[v]) continue;
+        ++(model.is_fixed[v] ? moved.zeros : moved.regular);
+        if (!model.is_fixed[v]) continue;
         EXPECT_TRUE(part[v] > 0 && part[v] < 1) << part[v];
         const hmf::Rings::Side* side = &rings.side[rings.offset[v]];
         hmf::read_star(f, side, rings.offset[v + 1] - rings.offset[v], weight, star);
         EXPECT_TRUE(hmf::plan_move(f, side, star));
         model.set_free(f, rings, weight, v, star.step.data(), 1);
     }
-    hmf::ClassWatch watch;
-    EXPECT_EQ(watch.start(state, 1, nullptr, hmf::Array<int64_t>(), call), HMF_OK);
-    EXPECT_TRUE(watch.started);
+    hmf::ClassGuard guard;
+    EXPECT_EQ(guard.start(state, 1, nullptr, hmf::Array<int64_t>(), call), HMF_OK);
+    EXPECT_TRUE(guard.started);
     const hmf::SingularityCount before = hmf::count_singularities(f);
     constexpr int64_t finer = 4; // more the certificate has no room for
     const auto place = [&](uint32_t h) {
@@ -102,8 +102,8 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
         }
         EXPECT_LE(rounded[v], 1.001 * (s.report.residual_max + rings.weight_sum[v] / std::max(floor, pull))) << v;
     }
-    EXPECT_EQ(watch.look(state, 1.0 / finer, call), HMF_OK);
-    EXPECT_EQ(watch.result.state, hmf::ClassState::proven);
+    EXPECT_EQ(guard.certify(state, 1.0 / finer, call), HMF_OK);
+    EXPECT_EQ(guard.result.state, hmf::ClassState::proven);
     return moved;
 }
 
@@ -224,7 +224,7 @@ TEST(Fractions, ResidualsAreThoseOfTheIntegersAfterwards) {
     for (double& w : weight) w = 1 + 9 * random.unit();
     ASSERT_TRUE(loaded.rings.build(mesh, weight.data(), loaded.memory));
     for (uint32_t v = 0; v < n; ++v) {
-        int64_t room = model.rests[v] ? 0 : INT64_MAX;
+        int64_t room = model.is_fixed[v] ? 0 : INT64_MAX;
         for (const uint32_t h : mesh.around(v)) {
             room = std::min(room, f.at(h));
             for (const uint32_t corner : {h, mesh.next[h], mesh.prev(h)})
@@ -253,8 +253,8 @@ TEST(Fractions, ResidualsAreThoseOfTheIntegersAfterwards) {
     hmf::residuals(f, rings, weight.data(), loaded.star, after.data(), loaded.call);
     size_t zeros = 0;
     for (uint32_t v = 0; v < n; ++v) {
-        EXPECT_NEAR(told[v] * scale[model.rests[v] ? 1 : 0][v] / scale[1][v], after[v], 1e-6) << v;
-        zeros += model.rests[v] && after[v] > 1e-3;
+        EXPECT_NEAR(told[v] * scale[model.is_fixed[v] ? 1 : 0][v] / scale[1][v], after[v], 1e-6) << v;
+        zeros += model.is_fixed[v] && after[v] > 1e-3;
     }
     EXPECT_GT(zeros, 3u);
 }

@@ -19,7 +19,7 @@
 #include "src/applications/parameterize/parameterization.hpp"
 #include "src/applications/parameterize/seams.hpp"
 #include "src/core/solve/fraction.hpp"
-#include "src/core/solve/part_system.hpp"
+#include "src/core/solve/subdomain_solver.hpp"
 #include "src/core/solve/twisted_model.hpp"
 #include "support/make_mesh.hpp"
 
@@ -74,7 +74,7 @@ void expect_combed(Combed& combed) {
     Call call(memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(model.allocate(f.mesh, memory));
-    ASSERT_TRUE(model.look(f, rings, weight.data(), star, call));
+    ASSERT_TRUE(model.linearize(f, rings, weight.data(), star, call));
     // Energy and residual come from the same pass.
     EXPECT_NEAR(model.energy, energy(f, weight.data()), 1e-12 * model.energy);
     const ResidualResult residual = residuals(f, rings, weight.data(), star, nullptr, call);
@@ -87,7 +87,7 @@ void expect_combed(Combed& combed) {
     EXPECT_TRUE(model.is_exact());
     model.assemble(f, rings, weight.data(), call);
     ASSERT_EQ(model.count, f.mesh.vertex_count);
-    for (uint32_t v = 0; v < model.count; ++v) ASSERT_EQ(model.rests[v], 0) << "vertex " << v << " is regular";
+    for (uint32_t v = 0; v < model.count; ++v) ASSERT_EQ(model.is_fixed[v], 0) << "vertex " << v << " is regular";
 
     // A vertex whose pull points up has the orientation +1; the others follow.
     std::vector<int> orientation(model.count, 0);
@@ -151,7 +151,7 @@ struct CombedModel : Combed {
     explicit CombedModel(const std::vector<int64_t>& along, double step = 0.25) : Combed(along) {
         for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight.push_back(1 + step * (e % 7));
         EXPECT_TRUE(rings.build(f.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
-                    && model.allocate(f.mesh, memory) && model.look(f, rings, weight.data(), star, call));
+                    && model.allocate(f.mesh, memory) && model.linearize(f, rings, weight.data(), star, call));
         model.assemble(f, rings, weight.data(), call);
     }
     double rest(uint32_t v) const {
@@ -165,7 +165,7 @@ struct CombedModel : Combed {
 } // namespace
 
 // Those that go together are one unknown, whose row is the sum of theirs; what is held elsewhere counts.
-TEST(PartSystem, GroupsAndHeldUnknowns) {
+TEST(SubdomainSolver, GroupsAndHeldUnknowns) {
     CombedModel combed({0, 7, 7, 7, 5, 13, 2, 9});
     const Foliation& f = combed.f;
     TwistedModel& model = combed.model;
@@ -187,8 +187,8 @@ TEST(PartSystem, GroupsAndHeldUnknowns) {
         const uint32_t held = model.count - 1;
         for (uint32_t v = 0; v < model.count; ++v)
             if (with[v] == with[held]) number[v] = NONE, model.d[v] = 2.5;
-        PartSystem part;
-        ASSERT_TRUE(part.take(model, number, solver, combed.call, with.data()));
+        SubdomainSolver part;
+        ASSERT_TRUE(part.extract(model, number, solver, combed.call, with.data()));
         ASSERT_TRUE(part.solve(model, 1e-12, combed.call));
         std::vector<double> rest(model.count, 0);
         double size = 0;
@@ -205,13 +205,13 @@ TEST(PartSystem, GroupsAndHeldUnknowns) {
 }
 
 // Where nothing is held one vertex is, so that the others do not go far.
-TEST(PartSystem, NothingIsHeld) {
+TEST(SubdomainSolver, NothingIsHeld) {
     CombedModel combed({0, 7, 3, 11, 5, 13, 2, 9}, 0); // the last pivot is rounded to above 0
     TwistedModel& model = combed.model;
     Array<uint32_t> number;
     ASSERT_TRUE(number.allocate_filled(combed.memory, model.count, 0u));
-    PartSystem part;
-    ASSERT_TRUE(part.take(model, number, hmf::Solver::direct, combed.call) && part.solve(model, 1e-12, combed.call));
+    SubdomainSolver part;
+    ASSERT_TRUE(part.extract(model, number, hmf::Solver::direct, combed.call) && part.solve(model, 1e-12, combed.call));
     double rest = 0, size = 0, largest = 0;
     for (uint32_t v = 0; v < model.count; ++v) {
         rest = std::max(rest, std::abs(combed.rest(v)));
@@ -224,15 +224,15 @@ TEST(PartSystem, NothingIsHeld) {
 }
 
 // Its rows hold where the others stay at 0, and nothing else moves.
-TEST(PartSystem, RowsOfSomeUnknowns) {
+TEST(SubdomainSolver, RowsOfSomeUnknowns) {
     CombedModel combed({0, 7, 3, 11, 5, 13, 2, 9});
     TwistedModel& model = combed.model;
-    model.rests[20] = 1;
+    model.is_fixed[20] = 1;
     Array<uint32_t> number;
     ASSERT_TRUE(number.allocate_filled(combed.memory, model.count, NONE));
     for (uint32_t v = 10; v < 50; ++v) number[v] = v % 3;
-    PartSystem part;
-    ASSERT_TRUE(part.take(model, number, hmf::Solver::multigrid, combed.call));
+    SubdomainSolver part;
+    ASSERT_TRUE(part.extract(model, number, hmf::Solver::multigrid, combed.call));
     // Twice: it goes on where it was.
     for (const double accuracy : {1e-2, 1e-12}) {
         ASSERT_TRUE(part.solve(model, accuracy, combed.call));
@@ -302,7 +302,7 @@ TEST(TwistedModel, MinimumBetweenBounds) {
     Call call(combed.memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(model.allocate(combed.f.mesh, combed.memory));
-    ASSERT_TRUE(model.look(combed.f, rings, weight.data(), star, call));
+    ASSERT_TRUE(model.linearize(combed.f, rings, weight.data(), star, call));
     model.assemble(combed.f, rings, weight.data(), call);
     for (uint32_t k = 0; k < model.count; k += 7) {
         model.lower[k] = k % 2 ? -2 : -40;
@@ -319,8 +319,8 @@ TEST(TwistedModel, MinimumBetweenBounds) {
     for (uint32_t pass = 0; pass < 20 && !settled; ++pass) {
         model.fix_active();
         LinearOptions options;
-        options.fixed = model.fixed.data();
-        options.fixed_count = model.fixed.size();
+        options.fixed = model.at_bounds.data();
+        options.fixed_count = model.at_bounds.size();
         ASSERT_TRUE(
             multigrid.solve(model.matrix(), model.right.data(), model.d.data(), 1e-10, 100, call, options).converged);
         const bool released = model.release();
@@ -329,8 +329,8 @@ TEST(TwistedModel, MinimumBetweenBounds) {
     }
     EXPECT_TRUE(settled);
     EXPECT_TRUE(any_released);
-    EXPECT_GT(model.fixed.size(), 5u);
-    EXPECT_LT(model.fixed.size(), model.bounded.size() - 5);
+    EXPECT_GT(model.at_bounds.size(), 5u);
+    EXPECT_LT(model.at_bounds.size(), model.bounded.size() - 5);
     const std::vector<double> found(model.d.begin(), model.d.end());
     for (double& x : model.d) x = 0;
     for (uint32_t sweep = 0; sweep < 20000; ++sweep)
@@ -359,7 +359,7 @@ TEST(SettleExtremum, ReturnsToTheNearestNeighbor) {
                 combed.value = combed.values();
                 f.value = combed.value.data();
                 ASSERT_EQ(combed.count().poles, 2u); // of order two
-                ASSERT_TRUE(settle_extremum(f, v));
+                ASSERT_TRUE(remove_extremum(f, v));
                 EXPECT_EQ(combed.count().poles, 0u);
                 EXPECT_EQ(combed.count().broken_triangles, 0u);
                 combed.height[v] = nearest;
@@ -591,10 +591,10 @@ TEST(Fractions, KeepTheClassWhereHeightsDo) {
     Call call(memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
-                && model.allocate(mesh, memory) && model.look(f, rings, weight.data(), star, call));
+                && model.allocate(mesh, memory) && model.linearize(f, rings, weight.data(), star, call));
     int up = 0; // the sign of edges that leave the disk upward
     for (const uint32_t v : disk) {
-        ASSERT_EQ(model.rests[v], 0);
+        ASSERT_EQ(model.is_fixed[v], 0);
         for (const uint32_t h : mesh.around(v))
             if (combed.rise(h) > 0) up = model.sign[h];
     }
@@ -638,7 +638,7 @@ TEST(Fractions, KeepTheClassWhereVerticesPass) {
     Call call(memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
-                && model.allocate(mesh, memory) && model.look(combed.f, rings, weight.data(), star, call));
+                && model.allocate(mesh, memory) && model.linearize(combed.f, rings, weight.data(), star, call));
     std::vector<int> up(mesh.vertex_count, 0); // the sign of edges that leave a vertex upward
     for (uint32_t v = 0; v < mesh.vertex_count; ++v)
         for (const uint32_t h : mesh.around(v))
@@ -671,19 +671,19 @@ TEST(Fractions, KeepTheClassWhereVerticesPass) {
     }
     EXPECT_GT(passed, 20u);
     EXPECT_GT(lost, 20u);
-    // None may pass one that rests, nor a zero, on the way.
+    // None may pass a fixed one, nor a zero, on the way.
     std::vector<double> part(mesh.vertex_count, 0);
     uint32_t side = mesh.out[48];
     while (combed.rise(side) != 7) side = mesh.rotate_ccw(side);
     part[48] = 8 * up[48];
     EXPECT_TRUE(keeps_class(combed.f, rings, model, part, memory));
-    ASSERT_TRUE(model.resting.push(mesh.target(side)));
+    ASSERT_TRUE(model.fixed_zeros.push(mesh.target(side)));
     EXPECT_FALSE(keeps_class(combed.f, rings, model, part, memory));
     part[48] = 7 * up[48]; // it may come to it
     EXPECT_TRUE(keeps_class(combed.f, rings, model, part, memory));
     part[48] = 8 * up[48];
-    model.resting.clear();
-    model.rests[mesh.target(side)] = 1;
+    model.fixed_zeros.clear();
+    model.is_fixed[mesh.target(side)] = 1;
     EXPECT_FALSE(keeps_class(combed.f, rings, model, part, memory));
 }
 

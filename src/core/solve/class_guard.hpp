@@ -1,4 +1,4 @@
-// Watches the class during a solve.
+// Keeps a solve in its class.
 //
 // The unguarded solve runs first, and its result is certified (class_certificate.hpp). If the certificate fails, the
 // solve starts again from the initial foliation and certifies each level, coarsest first. A level that loses the class
@@ -14,14 +14,14 @@ namespace hmf {
 struct SolveOptions;
 class Recorder;
 
-struct ClassWatch {
-    ClassReference reference;
+struct ClassGuard {
+    ClassCertificate reference;
     CurveWords words;
     ZeroList zeros;       // of the state, as long as they are known
-    ClassResult result;   // of the last look
-    double seconds = 0;   // for all of them
+    ClassCheck result;    // of the last certification
+    double seconds = 0;   // of all certifications
     uint32_t repeats = 0; // levels that were solved once more
-    ClassResult lost;     // the last one that was refused
+    ClassCheck lost;      // the last one that was refused
     double unit = 1;      // of the reference
     bool started = false;
 
@@ -30,7 +30,7 @@ struct ClassWatch {
     [[nodiscard]] hmf_status start(State& state, double unit_of_values, const Loops* loops,
                                    const Array<int64_t>& weights, Call& call);
     // Certifies the current state.
-    [[nodiscard]] hmf_status look(State& state, double unit_of_values, Call& call);
+    [[nodiscard]] hmf_status certify(State& state, double unit_of_values, Call& call);
     bool holds() const { return result.state != ClassState::lost; }
     // Updates the words with every later change of the mesh of the state.
     void listen(State& state);
@@ -42,6 +42,6 @@ private:
 // run_cascade, with the certificate and the guard.  HMF_LIMIT_CLASS: the result is
 // in its class, but the minimum could not be reached within it.
 [[nodiscard]] hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                                        ClassWatch& watch);
+                                        ClassGuard& guard);
 
 } // namespace hmf

@@ -1,30 +1,30 @@
-#include "whole_step.hpp"
+#include "newton_update.hpp"
 
 #include "steering.hpp"
 
 namespace hmf {
 
-Done WholeStep::allocate() {
+Done NewtonUpdate::allocate() {
     Memory& memory = call_.memory;
     const size_t n = f_.mesh.vertex_count;
-    suspect_.start(memory);
+    candidate_.start(memory);
     return before_.allocate(memory, f_.mesh.edge_count) && step_.allocate(memory, n) && expected_.allocate(memory, n)
-        && suspect_.reserve(n);
+        && candidate_.reserve(n);
 }
 
-void WholeStep::begin() { call_.parallel.copy(before_.data(), f_.value, f_.mesh.edge_count); }
+void NewtonUpdate::begin() { call_.parallel.copy(before_.data(), f_.value, f_.mesh.edge_count); }
 
-void WholeStep::restore() { call_.parallel.copy(f_.value, before_.data(), f_.mesh.edge_count); }
+void NewtonUpdate::restore() { call_.parallel.copy(f_.value, before_.data(), f_.mesh.edge_count); }
 
 // Bounds are integers, so rounding does not leave them; those that a double does not hold are looked up.
-int64_t WholeStep::rounded(uint32_t k, double factor) const {
+int64_t NewtonUpdate::rounded(uint32_t k, double factor) const {
     const double x = model_.d[k] * factor;
     if (!(x > -largest_step && x < largest_step)) return 0;
     if (factor == 1 && model_.at_bound(k)) return model_.bound_at(k);
     return static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
 }
 
-void WholeStep::set_value(uint32_t e) {
+void NewtonUpdate::set_value(uint32_t e) {
     const Mesh& mesh = f_.mesh;
     const uint32_t h = 2 * e;
     const int64_t x =
@@ -32,7 +32,7 @@ void WholeStep::set_value(uint32_t e) {
     f_.value[e] = x < 0 ? -x : x;
 }
 
-void WholeStep::set_values(double factor) {
+void NewtonUpdate::set_values(double factor) {
     call_.parallel.for_blocks(f_.mesh.vertex_count, [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v) step_[v] = rounded(static_cast<uint32_t>(v), factor);
     });
@@ -41,7 +41,7 @@ void WholeStep::set_values(double factor) {
     });
 }
 
-double WholeStep::energy_change() const {
+double NewtonUpdate::energy_change() const {
     return call_.parallel.sum_blocks<double>(f_.mesh.edge_count, [&](size_t begin, size_t end) {
         double sum = 0;
         for (size_t e = begin; e < end; ++e) {
@@ -54,19 +54,19 @@ double WholeStep::energy_change() const {
 
 // As walk_plain_star; NONE also where a monogon hangs on v.
 template <class Visit>
-uint32_t WholeStep::count_closed(uint32_t v, Visit visit) const {
+uint32_t NewtonUpdate::count_closed(uint32_t v, Visit visit) const {
     if (rings_.is(v, Monogons::HOST)) return NONE;
     const uint32_t begin = rings_.offset[v];
     return walk_plain_star(f_.value, &rings_.side[begin], rings_.offset[v + 1] - begin, visit);
 }
 
 // Of a vertex without zero edges.
-int32_t WholeStep::index_of(uint32_t v, uint32_t closed) const {
+int32_t NewtonUpdate::index_of(uint32_t v, uint32_t closed) const {
     return 2 - static_cast<int32_t>(f_.mesh.is_marked(v)) - static_cast<int32_t>(closed);
 }
 
-// sound: as regular, or as singular, as before the step.
-HMF_INLINE WholeStep::Shape WholeStep::shape(uint32_t v) const {
+// unchanged: as regular, or as singular, as before the step.
+HMF_INLINE NewtonUpdate::Shape NewtonUpdate::shape(uint32_t v) const {
     const Rings::Side* side = &rings_.side[rings_.offset[v]];
     const uint32_t degree = rings_.offset[v + 1] - rings_.offset[v];
     bool broken = false;
@@ -76,63 +76,63 @@ HMF_INLINE WholeStep::Shape WholeStep::shape(uint32_t v) const {
     if (broken) return Shape::broken;
     if (closed != NONE)
         return index_of(v, closed) > 0                ? Shape::extremum
-             : index_of(v, closed) == model_.index[v] ? Shape::sound
+             : index_of(v, closed) == model_.index[v] ? Shape::unchanged
                                                       : Shape::misplaced;
     for (uint32_t t = 0; t < degree; ++t)
         if (f_.corner2(side[t].half_edge) < 0) return Shape::broken;
     return Shape::has_zero;
 }
 
-uint64_t WholeStep::find_suspects() {
-    suspect_.clear();
+uint64_t NewtonUpdate::find_candidates() {
+    candidate_.clear();
     check_all_ = false;
     if (!work_.go_on()) return 0;
     // Each block lists its own where it lies; then the lists move together.
     struct Found {
-        uint32_t suspects = 0;
+        uint32_t candidates = 0;
         uint64_t extrema = 0;
     };
     const size_t n = f_.mesh.vertex_count, size = Parallel::pass_block(n);
     Found found[Parallel::most_parts];
-    uint32_t* const list = suspect_.data(); // room for all
+    uint32_t* const list = candidate_.data(); // room for all
     call_.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         Found here;
         for (size_t i = begin; i < end; ++i) {
             const uint32_t v = static_cast<uint32_t>(i);
             const Shape s = shape(v);
-            if (s == Shape::sound) continue;
-            list[begin + here.suspects++] = v;
+            if (s == Shape::unchanged) continue;
+            list[begin + here.candidates++] = v;
             here.extrema += s == Shape::extremum;
         }
         found[begin / size] = here;
     });
     uint64_t extrema = 0;
     for (size_t k = 0; k * size < n; ++k) {
-        for (uint32_t i = 0; i < found[k].suspects; ++i) suspect_.add(list[k * size + i]);
+        for (uint32_t i = 0; i < found[k].candidates; ++i) candidate_.add(list[k * size + i]);
         extrema += found[k].extrema;
     }
     return extrema;
 }
 
-void WholeStep::list_unsound(Array<uint32_t>& unsound) const {
-    unsound.clear();
-    for (const uint32_t v : suspect_) {
+void NewtonUpdate::list_invalid(Array<uint32_t>& invalid) const {
+    invalid.clear();
+    for (const uint32_t v : candidate_) {
         const Shape s = shape(v);
-        if (s != Shape::sound && s != Shape::has_zero) unsound.add(v);
+        if (s != Shape::unchanged && s != Shape::has_zero) invalid.add(v);
     }
 }
 
-void WholeStep::suspect(uint32_t v) {
-    if (suspect_.size() < f_.mesh.vertex_count) suspect_.add(v);
+void NewtonUpdate::add_candidate(uint32_t v) {
+    if (candidate_.size() < f_.mesh.vertex_count) candidate_.add(v);
     else check_all_ = true;
 }
 
-// Calls check(v) for all vertices that may be unsound, until it fails.
+// Calls check(v) for all vertices that may be invalid, until it fails.
 template <class Check>
-bool WholeStep::check_suspects(Check check) {
-    const size_t count = check_all_ ? f_.mesh.vertex_count : suspect_.size();
+bool NewtonUpdate::check_candidates(Check check) {
+    const size_t count = check_all_ ? f_.mesh.vertex_count : candidate_.size();
     for (size_t i = 0; i < count; ++i) {
-        const uint32_t v = check_all_ ? static_cast<uint32_t>(i) : suspect_[i];
+        const uint32_t v = check_all_ ? static_cast<uint32_t>(i) : candidate_[i];
         if (i % 65536 == 0 && !work_.go_on()) return false;
         if (check(v)) continue;
         too_far_ = v;
@@ -141,33 +141,34 @@ bool WholeStep::check_suspects(Check check) {
     return true;
 }
 
-bool WholeStep::settle(double factor, Array<uint32_t>& patch) {
+bool NewtonUpdate::remove_extrema(double factor, Array<uint32_t>& patch) {
     if (factor == 1) relax_extrema(patch);
     const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
     bool moved = false;
-    const bool settled = check_suspects([&](uint32_t v) {
+    const bool removed = check_candidates([&](uint32_t v) {
         const Shape s = shape(v);
         if (s == Shape::broken) return false;
-        if (s == Shape::sound || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before)) return true;
+        if (s == Shape::unchanged || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before))
+            return true;
         if (s == Shape::has_zero && !explore_cluster(f_, v).is_pole()) return true;
         moved = true;
-        return settle_extremum(f_, v);
+        return remove_extremum(f_, v);
     });
     check_all_ |= moved;
-    return settled;
+    return removed;
 }
 
 // Vertices that have become extrema go to the mean of their neighbors.
-void WholeStep::relax_extrema(Array<uint32_t>& patch) {
+void NewtonUpdate::relax_extrema(Array<uint32_t>& patch) {
     const Mesh& mesh = f_.mesh;
     patch.clear();
-    for (uint32_t v : suspect_)
+    for (uint32_t v : candidate_)
         if (shape(v) == Shape::extremum) patch.add(v);
     for (uint32_t round = 0; round < steering::rounds_for_extrema && !patch.empty(); ++round) {
         const size_t had = patch.size();
         for (size_t i = 0; i < had; ++i) {
             const uint32_t v = patch[i];
-            if (model_.rests[v]) continue;
+            if (model_.is_fixed[v]) continue;
             model_.d[v] = model_.relaxed(v);
             step_[v] = rounded(v, 1);
             for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t)
@@ -178,7 +179,7 @@ void WholeStep::relax_extrema(Array<uint32_t>& patch) {
             const uint32_t v = patch[i];
             for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
                 const uint32_t u = rings_.neighbor[t];
-                suspect(u);
+                add_candidate(u);
                 if (end < mesh.vertex_count && shape(u) == Shape::extremum) {
                     patch.add(u);
                     ++end;
@@ -190,7 +191,7 @@ void WholeStep::relax_extrema(Array<uint32_t>& patch) {
     }
 }
 
-bool WholeStep::zeros_are_in_place() {
+bool NewtonUpdate::zeros_are_in_place() {
     const Mesh& mesh = f_.mesh;
     int32_t* expected = expected_.data();
     std::memcpy(expected, model_.index.data(), mesh.vertex_count * sizeof(int32_t));
@@ -199,10 +200,10 @@ bool WholeStep::zeros_are_in_place() {
         for (uint32_t turn = 0; turn < 3 && f_.corner2(at) != 0; ++turn) at = mesh.next[at];
         if (f_.corner2(at) != 0) continue;
         --expected[mesh.origin[at]];
-        suspect(mesh.origin[at]);
+        add_candidate(mesh.origin[at]);
     }
     const uint32_t before = f_.epoch;
-    return check_suspects([&](uint32_t v) {
+    return check_candidates([&](uint32_t v) {
         const uint32_t closed = count_closed(v, [](uint32_t, uint32_t, int64_t, int64_t, int64_t) {});
         if (closed != NONE) return index_of(v, closed) == expected[v];
         if (f_.stamp[v] > before) return true;

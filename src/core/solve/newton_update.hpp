@@ -12,9 +12,9 @@
 
 namespace hmf {
 
-class WholeStep {
+class NewtonUpdate {
 public:
-    WholeStep(LevelWork& work, TwistedModel& model) :
+    NewtonUpdate(LevelWork& work, TwistedModel& model) :
         work_(work), f_(work.state.foliation), rings_(work.rings), weight_(work.level.weight), call_(work.call),
         model_(model) {}
     Done allocate();
@@ -34,12 +34,12 @@ public:
              < 0;
     }
 
-    // Collects the suspects: vertices whose regularity or singularity has changed. Returns the number of extrema.
-    uint64_t find_suspects();
-    // Lists the suspects that become sound only by a move.
-    void list_unsound(Array<uint32_t>& unsound) const;
-    // Removes the extrema among the suspects by moves; false if the step went too far. patch: space for all vertices.
-    bool settle(double factor, Array<uint32_t>& patch);
+    // Collects the candidates: vertices whose regularity or singularity has changed. Returns the number of extrema.
+    uint64_t find_candidates();
+    // Lists the candidates that become valid only by a move.
+    void list_invalid(Array<uint32_t>& invalid) const;
+    // Removes the extrema among the candidates by moves; false if the step went too far. patch: space for all vertices.
+    bool remove_extrema(double factor, Array<uint32_t>& patch);
     // Every zero is where it was, or at the vertex that stopped at its branch
     // point.  Otherwise a zero and an extremum have appeared and vanished in between, and the class may have changed.
     bool zeros_are_in_place();
@@ -48,7 +48,7 @@ public:
     void forget_too_far() { too_far_ = NONE; }
 
 private:
-    enum class Shape : uint8_t { sound, misplaced, extremum, has_zero, broken };
+    enum class Shape : uint8_t { unchanged, misplaced, extremum, has_zero, broken };
 
     int64_t rounded(uint32_t k, double factor) const;
     void set_value(uint32_t e);
@@ -56,9 +56,9 @@ private:
     uint32_t count_closed(uint32_t v, Visit visit) const;
     int32_t index_of(uint32_t v, uint32_t closed) const;
     Shape shape(uint32_t v) const;
-    void suspect(uint32_t v);
+    void add_candidate(uint32_t v);
     template <class Check>
-    bool check_suspects(Check check);
+    bool check_candidates(Check check);
     void relax_extrema(Array<uint32_t>& patch);
 
     // Two steps and a value, and two of these sums, have no more than 63 bits.
@@ -72,7 +72,7 @@ private:
     TwistedModel& model_;
     Array<int64_t> before_, step_; // values per edge, steps per vertex
     Array<int32_t> expected_;      // indices, if every zero is in place
-    Array<uint32_t> suspect_;      // vertices that may be unsound after a step,
+    Array<uint32_t> candidate_;    // vertices that may be invalid after a step,
     bool check_all_ = false;       // unless all may be
     uint32_t too_far_ = NONE;
 };

@@ -1,4 +1,4 @@
-#include "part_system.hpp"
+#include "subdomain_solver.hpp"
 
 #include "steering.hpp"
 
@@ -14,7 +14,7 @@ void hold_one(const TwistedModel& model, Array<uint32_t>& number, const uint32_t
     if (!model.is_exact()) return;
     uint32_t strongest = 0;
     for (uint32_t v = 0; v < model.count; ++v) {
-        if (model.rests[v] || number[v] == NONE) return;
+        if (model.is_fixed[v] || number[v] == NONE) return;
         if (model.row_scale[v] < model.row_scale[strongest]) strongest = v;
     }
     const auto leader = [with](uint32_t v) { return with ? with[v] : v; };
@@ -24,12 +24,12 @@ void hold_one(const TwistedModel& model, Array<uint32_t>& number, const uint32_t
 
 } // namespace
 
-Done PartSystem::list_unknowns(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with,
-                               Memory& memory) {
+Done SubdomainSolver::list_unknowns(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with,
+                                    Memory& memory) {
     const auto leader = [with](uint32_t v) { return with ? with[v] : v; };
     uint32_t count = 0, vertices = 0, entries = 0;
     for (uint32_t v = 0; v < model.count; ++v) {
-        if (model.rests[v]) number[v] = NONE;
+        if (model.is_fixed[v]) number[v] = NONE;
         if (number[v] == NONE) continue;
         number[v] = leader(v) == v ? count++ : number[leader(v)];
         if (number[v] == NONE) continue;
@@ -55,8 +55,8 @@ Done PartSystem::list_unknowns(const TwistedModel& model, Array<uint32_t>& numbe
     return true;
 }
 
-Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
-                      const uint32_t* with) {
+Done SubdomainSolver::extract(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
+                              const uint32_t* with) {
     if (solver == Solver::direct) hold_one(model, number, with);
     if (!list_unknowns(model, number, with, call.memory)) return false;
     uint32_t at = 0;
@@ -91,7 +91,7 @@ Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Solver
     return !factor_.empty() || multigrid_.setup(matrix(), call.memory, &call);
 }
 
-Done PartSystem::solve(TwistedModel& model, double accuracy, Call& call) {
+Done SubdomainSolver::solve(TwistedModel& model, double accuracy, Call& call) {
     if (factor_.empty())
         multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
     else if (!factor_.solve(right_.data(), d_.data(), call.memory)) return false;

@@ -22,7 +22,7 @@ Effort effort_for(uint32_t round, double residual, double goal, bool finest);
 Effort effort_for_part(Effort effort);
 
 // Detects stalls of a level.
-class Progress {
+class StallDetector {
 public:
     // False: no progress for `patience` rounds.
     bool goes_on(double residual, double energy, uint32_t patience);
@@ -35,16 +35,16 @@ private:
 };
 
 // Tests once per level whether convergence is limited by quantization.
-struct UnitOfLevel {
+struct UnitRefinement {
     bool known;
     uint32_t patience = steering::patience; // less where the unit cannot be as fine as it should
 
-    bool is_refined(LevelWork& work, double goal, Progress& progress);
+    bool is_refined(LevelWork& work, double goal, StallDetector& progress);
 };
 
 // Local steps between those of the whole level, for zeros that move far along a limb, where values decay by orders of
 // magnitude, and for the residual that they leave: the rest of the mesh has already converged.
-struct Parts {
+struct LocalSteps {
     uint32_t in_a_row = 0, shortened = 0;
     double before = 0; // residual before the last step
 
@@ -53,7 +53,7 @@ struct Parts {
 };
 
 // The policy of a level: the minimum on the finest, a good start for the next level on the others.
-struct LevelPlan {
+struct LevelPolicy {
     bool finest, coarsest, middle, next_to_double, cheap = false;
     double goal;
     uint32_t rounds;
@@ -62,7 +62,7 @@ struct LevelPlan {
     // separate vertices that splits have left together.
     bool sweep_only;
 
-    LevelPlan(const LevelWork& work, double tolerance);
+    LevelPolicy(const LevelWork& work, double tolerance);
     // Its cost matters.
     bool is_long_coarsest() const { return coarsest && !finest && !cheap; }
 };

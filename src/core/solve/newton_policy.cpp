@@ -1,4 +1,4 @@
-#include "newton_plan.hpp"
+#include "newton_policy.hpp"
 
 #include <algorithm>
 
@@ -31,7 +31,7 @@ Effort effort_for_part(Effort effort) {
     return effort;
 }
 
-bool Progress::goes_on(double residual, double energy, uint32_t patience) {
+bool StallDetector::goes_on(double residual, double energy, uint32_t patience) {
     if (residual < steering::less_residual * least_residual_ || energy < least_energy_ * (1 - steering::less_energy))
         without_ = 0;
     else if (++without_ > patience) return false;
@@ -40,23 +40,23 @@ bool Progress::goes_on(double residual, double energy, uint32_t patience) {
     return true;
 }
 
-bool UnitOfLevel::is_refined(LevelWork& work, double goal, Progress& progress) {
+bool UnitRefinement::is_refined(LevelWork& work, double goal, StallDetector& progress) {
     if (known) return false;
     known = true;
-    const Fineness fineness = work.refine_unit(goal);
-    if (!fineness.enough) patience = steering::patience_when_rounded;
-    if (fineness.changed) progress.forget_least();
-    return fineness.changed;
+    const UnitChange unit_change = work.refine_unit(goal);
+    if (!unit_change.enough) patience = steering::patience_when_rounded;
+    if (unit_change.changed) progress.forget_least();
+    return unit_change.changed;
 }
 
-bool Parts::are_worth_it(uint32_t round, double residual) {
+bool LocalSteps::are_worth_it(uint32_t round, double residual) {
     const bool gains = residual < steering::part_gain * before;
     before = residual;
     return round > 0 && shortened < steering::parts_shortened && (in_a_row == 0 || gains)
         && in_a_row < steering::parts_in_a_row;
 }
 
-LevelPlan::LevelPlan(const LevelWork& work, double tolerance) {
+LevelPolicy::LevelPolicy(const LevelWork& work, double tolerance) {
     const size_t above = work.state.level - work.options.stop(); // levels that are still to come
     finest = above == 0;
     coarsest = work.state.level + 1 == work.state.hierarchy->level_count;

@@ -1,4 +1,4 @@
-// The certificate during a solve, and the way back; see class_watch.hpp.
+// The certificate during a solve, and the way back; see class_guard.hpp.
 #include "solve.hpp"
 
 namespace hmf {
@@ -17,7 +17,7 @@ MeshListener carry(CurveWords& words) {
 
 } // namespace
 
-hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
+hmf_status ClassGuard::start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
                              Call& call) {
     const double begin = call.seconds();
     const Mesh& mesh = state.foliation.mesh;
@@ -45,12 +45,12 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
     return HMF_OK;
 }
 
-void ClassWatch::listen(State& state) {
+void ClassGuard::listen(State& state) {
     listener_ = carry(words);
     state.listener = &listener_;
 }
 
-hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
+hmf_status ClassGuard::certify(State& state, double unit_of_values, Call& call) {
     result = {};
     if (!started) return HMF_OK;
     const double begin = call.seconds();
@@ -63,7 +63,7 @@ hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
 }
 
 hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                          ClassWatch& watch) {
+                          ClassGuard& guard) {
     const size_t start = state.level;
     const Triangulation triangulation = state.triangulation;
     const double unit = recorder.unit();
@@ -72,16 +72,16 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     Foliation& f = state.foliation;
     Array<int64_t> values;
     Array<uint32_t> out; // decides the tree of the walks; another one than that of the level after restriction
-    if (watch.started && options.method == HMF_METHOD_NEWTON) {
+    if (guard.started && options.method == HMF_METHOD_NEWTON) {
         if (!values.allocate(call.memory, f.mesh.edge_count) || !out.allocate(call.memory, f.mesh.vertex_count))
             return call.out_of_memory();
         std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
         std::memcpy(out.data(), f.mesh.out, out.size() * sizeof(uint32_t));
     }
-    hmf_status status = run_cascade(state, options, call, recorder, &watch);
+    hmf_status status = run_cascade(state, options, call, recorder, &guard);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
-    if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
-    if (watch.holds()) return status;
+    if (const hmf_status looked = guard.certify(state, recorder.unit(), call)) return looked;
+    if (guard.holds()) return status;
     if (values.empty())
         return status == HMF_OK ? HMF_LIMIT_CLASS : status; // HMF_METHOD_PAPER: flips may leave the class
     if (call.finishing()) return HMF_CANCELLED;             // there is no time for another try
@@ -94,18 +94,18 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     recorder.set_unit(unit);
     state.largest_input_value = largest;
     state.statistics = statistics;
-    if (state.listener && !watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
+    if (state.listener && !guard.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
         return call.stopped();
     SolveOptions careful = options;
     careful.guarded = true;
     recorder.certificate.known = false;
     if (!recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1))
         return call.out_of_memory();
-    status = run_cascade(state, careful, call, recorder, &watch);
+    status = run_cascade(state, careful, call, recorder, &guard);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
-    const ClassResult lost = watch.lost;
-    if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
-    if (watch.holds()) watch.lost = lost;
+    const ClassCheck lost = guard.lost;
+    if (const hmf_status looked = guard.certify(state, recorder.unit(), call)) return looked;
+    if (guard.holds()) guard.lost = lost;
     else if (status == HMF_OK) status = HMF_LIMIT_CLASS;
     return status;
 }

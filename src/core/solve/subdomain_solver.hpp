@@ -9,18 +9,18 @@ namespace hmf {
 
 enum class Solver { multigrid, direct };
 
-class PartSystem {
+class SubdomainSolver {
 public:
     // Extracts the unknowns of the model whose number is not NONE, starting from model.d; number: one per vertex, is
     // changed. Sets up the multigrid, or computes the factor unless it would be too large. with: one per vertex, or
     // null; the vertex that v moves with, v itself or an earlier one, starting from the same d.
-    Done take(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
-              const uint32_t* with = nullptr);
+    Done extract(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
+                 const uint32_t* with = nullptr);
     // Continues from its last solution, and sets model.d of the unknowns.
     Done solve(TwistedModel& model, double accuracy, Call& call);
 
     // Frees its memory.
-    void release() { *this = PartSystem(); }
+    void release() { *this = SubdomainSolver(); }
 
 private:
     Done list_unknowns(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with, Memory& memory);
