@@ -84,9 +84,9 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     SolveRequest unused;
     Options options = {
         Option{"DIR", &folder, "", "folder of meshes"},
-        Option{"--jobs", &jobs, "N", "meshes at a time"}.in("[1, 1024]"),
-        Option{"--out", &out, "FILE.ndjson", "one report a line; meshes that have a line are left out"}.writes(
-            ".ndjson .jsonl"),
+        Option{"--jobs", &jobs, "N", "number of meshes at a time"}.in("[1, 1024]"),
+        Option{"--out", &out, "FILE.ndjson", "one JSON report per line; meshes that already have a line are skipped"}
+            .writes(".ndjson .jsonl"),
     };
     // Options of solve that say how, not what to write.
     const size_t own = options.size();
@@ -95,7 +95,7 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             && (!o.needs[0] || std::strcmp(o.needs, "--report") == 0 || std::strcmp(o.needs, "--repair") == 0))
             options.push_back(o);
     if (help) {
-        (*help)(options, "batch", "Solves every mesh of a folder; exit status 0 if all were tried.");
+        (*help)(options, "batch", "Solves every mesh of a folder; the exit status is 0 if all were tried.");
         return EXIT_SOLVED;
     }
     parse(options, words, "batch");
@@ -159,7 +159,7 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     for (const auto& [extension, files] : skipped)
         summary += "; skipped " + counted(files, "file") + " " + (extension.empty() ? "without extension" : extension);
     std::printf("%s\n", summary.c_str());
-    if (was_interrupted()) throw Failure(EXIT_LIMIT, "interrupted; the same command goes on with the other meshes");
+    if (was_interrupted()) throw Failure(EXIT_LIMIT, "interrupted; run the same command again to resume");
     return EXIT_SOLVED;
 }
 

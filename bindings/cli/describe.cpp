@@ -187,7 +187,7 @@ std::string manual_page(const std::string& version, const DescribeAll& all) {
     return out
          + ".SH EXIT STATUS\n0 solved; 2 usage; 3 bad input, or not supported for it; 4 limit reached before "
            "convergence "
-           "(the best result is still written); 5 out of memory or file error.\n"
+           "(the best foliation so far is written); 5 out of memory or file error.\n"
            ".SH EXAMPLES\n.nf\nhmf demo\nhmf solve mesh.obj \\-\\-image mesh.png\n"
            "hmf solve mesh.obj \\-\\-quads quads.obj \\-\\-size 0.5\n.fi\n";
 }

@@ -41,14 +41,15 @@ int print_outcome(const Outcome& outcome) {
 int solve_command(const Words& words, const Describe* help) {
     if (!help) return print_outcome(solve(words));
     SolveRequest request;
-    (*help)(solve_options(request), "solve", "The harmonic foliation in the class of some loops.");
+    (*help)(solve_options(request), "solve",
+            "Computes the harmonic foliation in the class of the loops, and what follows from it.");
     return EXIT_SOLVED;
 }
 
 int quads_command(const Words& words, const Describe* help) {
     if (!help) return print_outcome(quads(words));
     SolveRequest request;
-    (*help)(quads_options(request), "quads", "A quad mesh of the whole shape along the leaves of a foliation.");
+    (*help)(quads_options(request), "quads", "Makes a quad mesh along the leaves of a foliation.");
     return EXIT_SOLVED;
 }
 
@@ -59,7 +60,7 @@ int info_command(const Words& words, const Describe* help) {
         Option{"--json", &request.json, "", "print JSON"},
     };
     for (const Option& o : mesh_options(request.prepare)) options.push_back(o);
-    if (help) (*help)(options, "info", "Is a mesh usable?  Counts, genus, quality.");
+    if (help) (*help)(options, "info", "Tells whether a mesh can be used; counts, genus, quality.");
     else {
         parse(options, words, "info");
         info(request);
@@ -69,7 +70,7 @@ int info_command(const Words& words, const Describe* help) {
 
 int demo_command(const Words& words, const Describe* help) {
     std::string folder = "./hmf-demo";
-    Options options = {Option{"DIR", &folder, "", "folder of the results"}.or_default()};
+    Options options = {Option{"DIR", &folder, "", "output folder"}.or_default()};
     if (help) {
         (*help)(options, "demo", "Makes the built-in sample, solves it, writes every output.");
         return EXIT_SOLVED;
@@ -118,8 +119,8 @@ struct Command {
 const Command commands[] = {
     {"demo", "make the built-in sample, solve it, write every output", demo_command},
     {"info", "validate a mesh; counts, genus, quality", info_command},
-    {"solve", "the harmonic foliation in the class of some loops", solve_command},
-    {"quads", "a quad mesh of a given size", quads_command},
+    {"solve", "compute the harmonic foliation in the class of the loops", solve_command},
+    {"quads", "make a quad mesh", quads_command},
     {"batch", "solve every mesh of a folder",
      [](const Words& words, const Describe* help) { return static_cast<int>(batch(words, help)); }},
     {"completion", "print the completion of bash, zsh or fish", completion_command},
@@ -156,10 +157,10 @@ int completion_command(const Words& words, const Describe* help) {
 void print_commands() {
     std::printf("Harmonic measured foliations on triangle meshes\n\nusage: hmf COMMAND ...\n\n");
     for (const Command& command : commands) std::printf("  %-12s%s\n", command.name, command.help);
-    std::printf("\nhmf COMMAND --help, or hmf help COMMAND, lists the options of a command, hmf --version tells the "
+    std::printf("\nhmf COMMAND --help, or hmf help COMMAND, lists the options of a command; hmf --version prints the "
                 "version.\n\n"
-                "exit status: 0 solved; 2 usage; 3 bad input, or not supported for it; 4 limit reached before\n"
-                "convergence (the best result is still written); 5 out of memory or file error\n");
+                "exit status: 0 solved; 2 wrong usage; 3 bad or unsupported input; 4 stopped at a limit (the best\n"
+                "foliation so far is written); 5 out of memory or file error\n");
 }
 
 int run(const Words& words) {
@@ -167,7 +168,7 @@ int run(const Words& words) {
     for (const Command& command : commands) names += (names.empty() ? "" : ", ") + std::string(command.name);
     if (words.empty()) throw Failure(EXIT_USAGE, "a command is missing; the commands are " + names);
     const bool asks = words[0] == "help" || words[0] == "--help" || words[0] == "-h";
-    if (asks && words.size() > 2) throw Failure(EXIT_USAGE, "help tells of one command at a time");
+    if (asks && words.size() > 2) throw Failure(EXIT_USAGE, "help describes one command at a time");
     if (asks && words.size() == 1) print_commands();
     else if (words[0] == "--version") std::printf("hmf %s\n", version_text().c_str());
     else {

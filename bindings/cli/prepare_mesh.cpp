@@ -68,11 +68,11 @@ void warn_of_doubled_points(PreparedMesh& prepared) {
 Options mesh_options(MeshRequest& request) {
     return {
         Option{"--repair", &request.repairs, "",
-               "repairs that lose nothing: drop triangles that repeat a vertex or each other, take sheets apart\n"
-               "that touch in a vertex or an edge, turn patches to one sense; triangles without area are accepted\n"
-               "as by --mollify 1e-5"},
+               "lossless repairs: drop duplicate triangles and triangles with a repeated vertex, separate sheets\n"
+               "that touch in a vertex or an edge, orient patches consistently, accept triangles of zero area as\n"
+               "with --mollify 1e-5"},
         Option{"--join-points", &request.joins, "[DISTANCE]",
-               "repair: join vertices at the same point first, or not further apart than the distance"}
+               "before the repair, merge vertices at the same position, or within the distance"}
             .in("[0, inf)")
             .requires_one_of("--repair"),
         Option{"--fill-holes", &request.fills, "N", "close every boundary of at most N edges; 0: none"}.in(

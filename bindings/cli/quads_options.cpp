@@ -15,22 +15,22 @@ Options quads_options(SolveRequest& r) {
         Option{"MESH", &r.mesh, "", MESH_FILES}.reads(""),
         Option{"OUT", &r.quads, "", "quad mesh, .obj .ply .off, or .glb (two triangles for each quad)"}.writes(
             ".obj .ply .off .glb"),
-        Option{"--count", &r.count, "N", "wished number of quads"}.in("[1, 268435456]"),
-        Option{"--relax", &r.relax, "N", "steps in which vertices move on the surface; 0: they stay on their leaves"}
+        Option{"--count", &r.count, "N", "target number of quads"}.in("[1, 268435456]"),
+        Option{"--relax", &r.relax, "N", "rounds that move vertices on the surface; 0: vertices stay on their leaves"}
             .in("[0, 1000]"),
-        Option{"--no-poles", &r.no_poles, "", "no vertex is marked by the tool: limbs that no loop goes round are lost"}
-            .without("--marks"),
+        Option{"--no-poles", &r.no_poles, "", "mark no vertices: limbs that no loop goes around are lost"}.without(
+            "--marks"),
         loops_option(r),
         through_option(r),
         weights_option(r),
         marks_option(r),
         mollify_option(r),
         Option{"--refine", &r.refine, "N",
-               "a mesh of fewer triangles is cut into so many at its longest edges, and edges inside flat parts\n"
-               "are flipped to be Delaunay; the surface stays as it is; 0: neither; not with --loops FILE"}
+               "flip edges inside flat parts to be Delaunay, and cut a mesh of fewer triangles at its longest edges\n"
+               "into N; the surface stays as it is; 0: neither; not with --loops FILE"}
             .in("[0, 1000000]"),
         threads_option(r),
-        Option{"--image", &r.image, "FILE.png", "picture of the quads; irregular vertices and loops are marked"}.writes(
+        Option{"--image", &r.image, "FILE.png", "picture of the quads, with irregular vertices and loops"}.writes(
             ".png"),
         camera_option(r),
         image_size_option(r),
@@ -39,7 +39,7 @@ Options quads_options(SolveRequest& r) {
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
         Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),
         Option{"--save-mesh", &r.save_mesh, "FILE.obj",
-               "the mesh as it was solved, after --repair; loops and marks refer to it"}
+               "the mesh that was solved, after repairs; loops and marks refer to it"}
             .writes(".obj"),
     };
     for (const Option& o : mesh_options(r.prepare)) options.push_back(o);
