@@ -1,7 +1,7 @@
 // Shortest paths by Dijkstra's algorithm, with the straight line to the goal as a bound (A*):
 //
 //        o---o         o  picked      The path is closed; where the shortest way back is the way there, it
-//       /     \                       goes round nothing, and the library says so.
+//       /     \                       goes around nothing, and the library says so.
 //      o---o---o
 #include "draw_loops.hpp"
 
@@ -145,7 +145,7 @@ LoopList draw_loops(const std::string& picked, const TriangleMesh& mesh) {
         const size_t number = loops.count(); // from 0, as the library counts
         if (stops.size() < 3)
             refuse_points("loop " + std::to_string(number) + " has " + std::to_string(stops.size())
-                          + " picked vertices that differ; three and more, on all sides, say which way it goes round");
+                          + " picked vertices that differ; three and more, on all sides, say which way it goes around");
         for (size_t i = 0; i < stops.size(); ++i) {
             const std::vector<uint32_t> way = ways.path(stops[i], stops[(i + 1) % stops.size()]);
             if (way.empty())

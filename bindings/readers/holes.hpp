@@ -11,7 +11,7 @@ namespace readers {
 
 // A closed path along edges with one triangle.
 struct Hole {
-    std::vector<uint32_t> vertices; // in the order in which a triangle that closes it goes round
+    std::vector<uint32_t> vertices; // in the order in which a triangle that closes it goes around
     double length = 0;
 };
 

@@ -285,7 +285,7 @@ TEST(Atlas, ARectangleIsARectangle) {
     EXPECT_LT(atlas->unevenness, 1e-3);
 }
 
-// An annulus whose leaves go round, and one whose leaves go across: cut open once.
+// An annulus whose leaves go around, and one whose leaves go across: cut open once.
 TEST(Atlas, AnAnnulusIsCutOpen) {
     const size_t n = 96, m = 12;
     const TriMesh mesh = annulus(n, m, 2, 0.3, 3);

@@ -254,7 +254,7 @@ TEST_F(Trials, DerivativesByWeights) {
     }
 }
 
-// A finger that no loop goes round: without a pole its scale decays.
+// A finger that no loop goes around: without a pole its scale decays.
 TEST(EvenDesign, ALimbGetsPoles) {
     const TriMesh mesh = torus_with_finger(40, 20, 30, 4);
     const auto made = design(mesh);

@@ -427,7 +427,7 @@ TEST(Parameterize, IsSharedByCallsAtTheSameTime) {
     EXPECT_EQ(meter.used, 0u);
 }
 
-// A limb that no loop goes round: what is known there is less than rounding.
+// A limb that no loop goes around: what is known there is less than rounding.
 TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     const Hierarchy hierarchy(torus_with_finger(40, 20, 60, 30), 0.5, 300);
     ASSERT_TRUE(hierarchy);

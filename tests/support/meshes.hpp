@@ -80,7 +80,7 @@ TriMesh pretzel(size_t holes, size_t refinements, size_t smoothings = 4);
 // Tube along the trefoil knot.
 TriMesh trefoil(size_t n, size_t m, double radius);
 
-// A torus with a closed finger of `rings` rings: a limb that no loop goes round.
+// A torus with a closed finger of `rings` rings: a limb that no loop goes around.
 TriMesh torus_with_finger(size_t n, size_t m, size_t rings, double length);
 
 // Two tori on the x axis (centers 0 and `distance`), joined by a tube of six sides.

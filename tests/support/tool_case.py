@@ -22,7 +22,7 @@ def torus(n=24, m=16):
             a, b = 2 * math.pi * i / n, 2 * math.pi * (j + 0.3 * i) / m
             r = 2 + 0.8 * math.cos(b)
             points.append((r * math.cos(a), r * math.sin(a), 0.8 * math.sin(b)))
-    # The grid turns while it goes round: 0.3 * n is not whole, so shift the seam.
+    # The grid turns while it goes around: 0.3 * n is not whole, so shift the seam.
     for i in range(n):
         shift = round(0.3 * n) if i == n - 1 else 0
         for j in range(m):

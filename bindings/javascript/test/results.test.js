@@ -112,7 +112,7 @@ test('initialize gives the weights of the loops that cross an edge', () => {
     hierarchy.dispose();
 });
 
-test('handle loops go round no hole of a plate, tunnel loops do', () => {
+test('handle loops go around no hole of a plate, tunnel loops do', () => {
     const { positions, triangles } = pretzel(2, 2), holes = [-1, 1]; // their axes are parallel to z, at these x and y = 0
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 }), triangleEdges = hierarchy.levels[0].triangleEdges();
     const sides = t => [...triangleEdges.subarray(3 * t, 3 * t + 3)];

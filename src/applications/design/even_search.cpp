@@ -1,5 +1,5 @@
 // Poles at the ends of limbs.  The scale of a foliation without poles decays
-// along a limb that no loop goes round: a limb needs curvature at its end.
+// along a limb that no loop goes around: a limb needs curvature at its end.
 //
 //       ____
 //      /    \___________        .   one pole at a pointed tip (angle pi), two at the

@@ -142,9 +142,10 @@ private:
         if (status) return status;
         // Labels of a surface that intersects itself may leave no simple loop, or only loops that wind many times.
         if (!found_ && condition_)
-            return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                              "No such loops were found: the surface meets itself, or they wind too much. Repair the "
-                              "mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+            return call_.fail(
+                HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+                "No such loops were found: the surface intersects itself, or they wind too much. Repair the "
+                "mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
         if (!found_)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
                               "No further loop was found. Please report this.");

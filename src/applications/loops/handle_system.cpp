@@ -132,9 +132,9 @@ public:
 
 private:
     hmf_status not_embedded() {
-        return call_.fail(
-            HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-            "The surface meets itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+        return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+                          "The surface intersects itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT "
+                          "or HMF_LOOPS_PANTS.");
     }
 
     // Step 2.

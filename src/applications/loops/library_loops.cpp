@@ -25,7 +25,7 @@ hmf_status find_loops(const hmf_hierarchy& h, size_t found, int32_t kind, LoopCa
     if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, lengths, call, out);
     if (h.genus == 0 && (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL))
         return call.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
-                         "A surface of genus 0 has no handles. Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS, which go round "
+                         "A surface of genus 0 has no handles. Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS, which go around "
                          "marked vertices, or give loops.");
     switch (kind) {
     case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, lengths, call, out);

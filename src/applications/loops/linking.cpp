@@ -150,9 +150,9 @@ public:
             if (!look(g, out, usable)) return call_.stopped();
             if (usable) return HMF_OK;
         }
-        return call_.fail(
-            HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-            "The surface meets itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+        return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+                          "The surface intersects itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT "
+                          "or HMF_LOOPS_PANTS.");
     }
 
 private:

@@ -29,13 +29,13 @@ hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
         if (graph.zeros[z].euler != 1)
             return call.fail(
                 HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, z,
-                "Zero %u goes round a part of the surface that no leaf crosses, with a handle, boundaries or "
+                "Zero %u goes around a part of the surface that no leaf crosses, with a handle, boundaries or "
                 "marked vertices. Give loops that cross it.",
                 static_cast<unsigned>(z));
     for (const Boundary& b : graph.boundaries)
         if (b.arcs_begin == b.arcs_end && !graph.zeros.empty())
             return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                             "A leaf goes round several marked vertices at one place, which no leaf tells apart. "
+                             "A leaf goes around several marked vertices at one place, which no leaf tells apart. "
                              "Give loops between them.");
     return HMF_OK;
 }

@@ -50,16 +50,15 @@ hmf_status refuse_unfit(const QuadFigures& figures, double area, size_t count, C
     if (count < FEW) return HMF_OK;
     if (static_cast<double>(figures.inverted) > MOST_INVERTED * static_cast<double>(count))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "%llu of %llu quads are folded over on the surface. Wish for more and smaller quads, or give "
+                         "%llu of %llu quads are folded over on the surface. Ask for more, smaller quads, or give "
                          "other loops.",
                          static_cast<unsigned long long>(figures.inverted), static_cast<unsigned long long>(count));
     const double ratio = figures.area / area;
     if (ratio > LEAST_AREA && ratio * LEAST_AREA < 1) return HMF_OK;
-    return call.fail(
-        HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-        "The quads have %.2f times the area of the surface. Wish for more and smaller quads, or give other "
-        "loops.",
-        ratio);
+    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                     "The quads have %.2f times the area of the surface. Ask for more, smaller quads, or give other "
+                     "loops.",
+                     ratio);
 }
 
 } // namespace

@@ -32,12 +32,12 @@ const char* hmf_status_string(hmf_status status) {
     case HMF_ERROR_MESH_UNUSED_VERTEX: return "a vertex belongs to no triangle";
     case HMF_ERROR_MESH_COMPONENTS: return "the mesh has several components";
     case HMF_ERROR_MESH_GENUS: return "the mesh has genus 0";
-    case HMF_ERROR_MESH_NOT_EMBEDDED: return "the surface meets itself";
+    case HMF_ERROR_MESH_NOT_EMBEDDED: return "the surface intersects itself";
     case HMF_ERROR_MESH_NOT_DELAUNAY: return "the intrinsic Delaunay triangulation was not reached";
     case HMF_ERROR_LOOP_COUNT: return "no loops, or unusable offsets";
     case HMF_ERROR_LOOP_INDEX: return "a loop names an element that does not exist";
     case HMF_ERROR_LOOP_NOT_CLOSED: return "a loop is not a closed chain of neighbors";
-    case HMF_ERROR_LOOP_NOT_SIMPLE: return "a loop meets itself";
+    case HMF_ERROR_LOOP_NOT_SIMPLE: return "a loop crosses itself";
     case HMF_ERROR_LOOP_CROSSING: return "two loops cross";
     case HMF_ERROR_LOOP_TRIVIAL: return "a loop bounds a disk";
     case HMF_ERROR_LOOP_PARALLEL: return "two loops are freely homotopic";

@@ -235,13 +235,13 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
                 if (round == 0 && piece.six_euler == 6 && piece.marks == 0)
                     return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
                                      mesh.marked_count == 0
-                                         ? "Loop %llu bounds a disk. Give one that goes round a handle."
-                                         : "Loop %llu bounds a disk without marked vertices. Give one that goes round "
+                                         ? "Loop %llu bounds a disk. Give one that goes around a handle."
+                                         : "Loop %llu bounds a disk without marked vertices. Give one that goes around "
                                            "a handle or at least two marked vertices.",
                                      static_cast<Long>(c));
                 if (round == 0 && piece.six_euler == 6 && piece.marks == 1)
                     return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
-                                     "Loop %llu goes round a single marked vertex. Give one that goes round a handle "
+                                     "Loop %llu goes around a single marked vertex. Give one that goes around a handle "
                                      "or at least two marked vertices.",
                                      static_cast<Long>(c));
                 if (round == 0 || piece.six_euler != 0 || piece.marks != 0) continue;
@@ -265,7 +265,7 @@ hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const G
     for (size_t c = 0; c < count; ++c)
         if (loops.offsets[c] == loops.offsets[c + 1])
             return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
-                             "Loop %llu goes back the way it came. Give one that goes round a handle.",
+                             "Loop %llu goes back the way it came. Give one that goes around a handle.",
                              static_cast<Long>(c));
     if (loops.offsets[count] >= MULTICURVE_LIMIT)
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, 0,

@@ -74,7 +74,7 @@ hmf_status Doubler::check_elements(size_t c) {
                               static_cast<Long>(c), word, static_cast<Long>(limit));
         if (!is_triangles() && mesh_.is_marked(h_.vertex_internal[given_.elements[i]]))
             return call_.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, c,
-                              "Element %llu of loop %llu is a marked vertex, which loops go round. Give a path that "
+                              "Element %llu of loop %llu is a marked vertex, which loops go around. Give a path that "
                               "passes it on one side.",
                               place, static_cast<Long>(c));
     }

@@ -215,10 +215,11 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                                  static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(limit));
         for (uint64_t i = first; i < end && !triangles; ++i)
             if (mesh.is_marked(elements[i]))
-                return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, c,
-                                 "Element %llu of loop %llu is a marked vertex, which loops go round. Give a path that "
-                                 "passes it on one side.",
-                                 static_cast<Long>(i - first), static_cast<Long>(c));
+                return call.fail(
+                    HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, c,
+                    "Element %llu of loop %llu is a marked vertex, which loops go around. Give a path that "
+                    "passes it on one side.",
+                    static_cast<Long>(i - first), static_cast<Long>(c));
         for (uint64_t i = first; i < end; ++i) {
             if (i % 8192 == 0 && !call.tick(0, true)) return call.was_cancelled();
             const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];

@@ -19,7 +19,7 @@
 // it turns: the number of quads on its right, modulo 4g.
 //
 //     turn 0         a spur: both spokes go
-//     1 2 .. 2 1     a bracket: it goes round three sides of a row of quads on
+//     1 2 .. 2 1     a bracket: it goes around three sides of a row of quads on
 //                    its right, and gets shorter by two on the fourth; -1 -2 .. -2 -1
 //                    is the same on the left.  A closed walk that turns by 1 once and by 2
 //                    everywhere else gets shorter in the same way, past all of the row

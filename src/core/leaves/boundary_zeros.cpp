@@ -110,7 +110,7 @@ Done CriticalGraph::find_places(const Foliation& f, int32_t index, Places& place
     return true;
 }
 
-// The runs of the circle that h lies on.  On a disk the way from a place to itself goes round
+// The runs of the circle that h lies on.  On a disk the way from a place to itself goes around
 // vertices without prongs, which belong to its sector; on a ring it is an arc.
 Done CriticalGraph::read_circle(const Foliation& f, uint32_t h, const Places& places, Array<Run>& runs) {
     // From behind a closed corner, or from where a place begins.

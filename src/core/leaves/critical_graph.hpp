@@ -18,7 +18,7 @@
 // anything.  The arc itself lies half a unit left of the boundary leaf.
 //
 // Two marked vertices may have the same image.  All that their cluster is then
-// is the arc between them, which a closed leaf goes round (if both lie on its
+// is the arc between them, which a closed leaf goes around (if both lie on its
 // boundary; else it has one sector and no prong):
 //
 //        .------------------.          its sectors are those half-edges of the

@@ -39,7 +39,7 @@ TEST(Unique, Genus2Flipped) {
     }
 }
 
-// Stretched across its holes a pretzel has long limbs that no loop goes round.
+// Stretched across its holes a pretzel has long limbs that no loop goes around.
 // The values there decay below the error of a linear solve.
 TEST(Unique, DeadLimbs) {
     UniqueOptions options;

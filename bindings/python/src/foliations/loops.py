@@ -120,7 +120,7 @@ class Loops(Sequence[Indices]):
         picked : sequences of int, or (n, 3) floats
             For each loop at least three vertices, or points near them, in their order along it and
             on all sides: where the shortest path from the last to the first
-            is the way back, the loop goes round nothing.
+            is the way back, the loop goes around nothing.
         crossing : Loops, optional
             At most six loops of level 0, such as ``hierarchy.loops("handle", level=0)[:1]``.  The shortest
             closed path is taken that crosses each of them an odd number of times, so

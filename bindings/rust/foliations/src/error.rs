@@ -82,7 +82,7 @@ statuses! {
     ERROR_MESH_COMPONENTS = HMF_ERROR_MESH_COMPONENTS;
     /// Genus 0 with fewer than four marked vertices: no measured foliation.
     ERROR_MESH_GENUS = HMF_ERROR_MESH_GENUS;
-    /// The surface meets itself, so that inside and outside have no meaning.
+    /// The surface intersects itself, so that inside and outside have no meaning.
     ERROR_MESH_NOT_EMBEDDED = HMF_ERROR_MESH_NOT_EMBEDDED;
     /// No flips make the mesh intrinsically Delaunay.
     ERROR_MESH_NOT_DELAUNAY = HMF_ERROR_MESH_NOT_DELAUNAY;
@@ -92,7 +92,7 @@ statuses! {
     ERROR_LOOP_INDEX = HMF_ERROR_LOOP_INDEX;
     /// Consecutive elements of a loop are not neighbours.
     ERROR_LOOP_NOT_CLOSED = HMF_ERROR_LOOP_NOT_CLOSED;
-    /// A loop meets itself.
+    /// A loop crosses itself.
     ERROR_LOOP_NOT_SIMPLE = HMF_ERROR_LOOP_NOT_SIMPLE;
     /// Two loops cross.
     ERROR_LOOP_CROSSING = HMF_ERROR_LOOP_CROSSING;

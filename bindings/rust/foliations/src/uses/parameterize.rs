@@ -98,7 +98,7 @@ impl<'a> Parameterizer<'a> {
 ///
 /// The linear parts of the transitions are +-1, so (du + i dv)^2 has no seams: it is
 /// the holomorphic quadratic differential. Zeros in triangles move to a corner.
-/// Where the foliation is 0 (limbs that no loop goes round) triangles are degenerate.
+/// Where the foliation is 0 (limbs that no loop goes around) triangles are degenerate.
 #[derive(Debug)]
 pub struct Parameterization {
     block: Owned<sys::hmf_parameterization>,
