@@ -48,7 +48,7 @@ std::vector<std::string> meshes_in(const std::string& folder, std::map<std::stri
     return meshes;
 }
 
-// The meshes that the file tells of; a last line that is cut off is removed from it.
+// The meshes that have a line in the file; an incomplete last line is removed from it.
 std::set<std::string> done_in(const std::string& path) {
     std::set<std::string> done;
     std::error_code code;

@@ -45,7 +45,7 @@ struct Target {
 // The view, out of some dozens, from which most of the targets and much of the surface are seen.
 View best_view(const Samples& samples, const std::vector<Target>& targets, const Workers& workers = Workers());
 
-// Such that all points are in the picture.
+// A camera that shows all points.
 Camera place_camera(const std::vector<Vec>& points, const Samples& samples, const View& view, double aspect);
 
 } // namespace cli

@@ -31,7 +31,7 @@ public:
     size_t count() const;
     // Solves a mesh with these words of hmf solve.  Throws Failure.
     void start(const std::string& mesh, const std::vector<std::string>& words);
-    // Waits until something happens; those that have ended, perhaps none.
+    // Waits for an event; returns the children that have ended, perhaps none.
     std::vector<Ended> wait();
 
 private:

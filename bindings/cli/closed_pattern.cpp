@@ -139,7 +139,7 @@ private:
                 coefficient = s * coefficient + (chain_[e_[out]] == of ? c : 0);
             }
             out = turned(out);
-        } while (out != begin); // free vertices are not asked, so none of the boundary is
+        } while (out != begin); // free vertices are not listed, so none of the boundary is
         return off;
     }
 

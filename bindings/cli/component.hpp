@@ -49,7 +49,7 @@ public:
 
     // --- In this order; throw Failure ---
 
-    // Those of a file; else the library's are taken, where they are asked for.
+    // The loops of a file, if there is one; otherwise those of the library are computed on demand.
     void take_marks(std::vector<uint32_t> marks) { marks_ = std::move(marks); }
     void build(const SolveRequest& request, Meter& meter, const hmf_control* control);
     // kind: HMF_LOOPS_*, LOOPS_EVEN.
@@ -110,7 +110,7 @@ public:
     const hmf_cylinder_set* cylinders() const { return cylinders_.get(); }
     const hmf_parameterization* parameterization() const { return parameterization_.get(); }
 
-    // What the report tells of a component with these singularities.
+    // The fields of the report for a component with these singularities.
     readers::Json json(const std::vector<hmf_singularity>& singular) const;
 
 private:

@@ -28,7 +28,7 @@ Length length_of(unsigned length) {
             static_cast<uint8_t>(extra), static_cast<uint8_t>((length - 3) & ((1u << extra) - 1))};
 }
 
-// Calls literal(byte) and run(length): so many more of the byte before.
+// Calls literal(byte) and run(length): a run repeats the previous byte.
 template <class Literal, class Run>
 void for_tokens(const uint8_t* bytes, size_t size, const Literal& literal, const Run& run) {
     for (size_t at = 0; at < size;) {
@@ -95,7 +95,7 @@ std::vector<uint16_t> codes_of(const std::vector<uint8_t>& lengths) {
     return codes;
 }
 
-// The lengths of the codes, told by a code of their own.
+// The lengths of the codes, themselves coded.
 void put_codes(BitWriter& out, const std::vector<uint8_t>& lengths) {
     static constexpr unsigned order[19] = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
     // One distance: 1, a code of one bit.

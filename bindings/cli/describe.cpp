@@ -21,7 +21,7 @@ std::vector<Table> tables_of(const DescribeAll& all) {
     return tables;
 }
 
-// The words that a value can be; of --loops those that are no FILE.
+// The words that a value can be; for --loops all kinds except FILE.
 std::string words_of_value(const Option& o) {
     std::string words;
     if (const Choice* const choice = std::get_if<Choice>(&o.target)) {

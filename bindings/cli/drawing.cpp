@@ -16,7 +16,7 @@ namespace cli {
 
 namespace {
 
-// Share of a pixel inside a shape whose outline is at this distance (inside: negative).
+// The covered part of a pixel at this distance from the outline of a shape (inside: negative).
 double share(double distance) { return std::clamp(0.5 - distance, 0.0, 1.0); }
 
 void blend(Image& image, int x, int y, Ink ink, double opacity) {

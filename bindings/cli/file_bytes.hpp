@@ -1,5 +1,5 @@
-// The bytes of a file, mapped where the system can: a large file is then neither copied nor held twice.  While it is
-// mapped nobody may cut it, as for a program that runs.
+// The bytes of a file, mapped if the system can: a large file is then neither copied nor held twice. The file must not
+// be truncated while it is mapped.
 #pragma once
 
 #include <string>

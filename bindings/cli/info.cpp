@@ -98,7 +98,7 @@ Quality quality_of(const TriangleMesh& mesh) {
     return q;
 }
 
-// Whether standard output has its JSON is told by `printed`, also where this throws.
+// `printed` tells whether standard output has its JSON, also if this throws.
 void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool& printed) {
     PreparedMesh prepared = prepare_mesh(request.mesh, request.prepare);
     TriangleMesh& mesh = prepared.mesh;
@@ -238,7 +238,7 @@ void info(const InfoRequest& request) {
     try {
         look_at_all(request, mesh_name, printed);
     } catch (const Failure& failure) {
-        // Who asked for JSON gets some, also of a file that is none.
+        // With --json the output is JSON also for a file that cannot be read.
         if (request.json && !printed)
             std::printf("%s\n",
                         Json({{"mesh", mesh_name}, {"valid", false}, {"message", failure.what()}}).dump(2).c_str());

@@ -107,7 +107,7 @@ std::vector<double> funnel(const std::vector<Planar>& left, const std::vector<Pl
             fraction[k] = x - y != 0 ? std::min(1.0, std::max(0.0, x / (x - y))) : 0.5;
         }
     };
-    // Each corner of the path starts again behind it: at most n corners, and each looks at gates up to the next one.
+    // Each corner of the path starts again after it: at most n corners, and each visits gates up to the next one.
     for (size_t k = 0, corners = 0; k <= n && corners <= 2 * n + 2; ++k) {
         const Planar nl = k < n ? left[k] : end, nr = k < n ? right[k] : end;
         const auto corner = [&](Planar at, size_t gate, double value) {

@@ -49,7 +49,7 @@ std::vector<uint32_t> read_marks(const std::string& path, size_t vertex_count) {
 
 hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control* control,
                          std::vector<uint32_t>& marks, hmf_error& error) {
-    // By its numbers of vertices, edges and triangles; what else is wrong with a mesh the library tells.
+    // Checks the numbers of vertices, edges and triangles only; the library reports other defects of a mesh.
     const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
     const bool may_be_sphere = triangles + 4 == 2 * vertices;
     // Closed surfaces with handles have too few vertices.

@@ -1,4 +1,4 @@
-// Marked vertices, which may carry poles: those of a file, or those that the library suggests for a sphere.
+// Marked vertices, which may be poles: those of a file, or those that the library suggests for a sphere.
 #pragma once
 
 #include <hmf/hmf.h>

@@ -37,7 +37,7 @@ private:
     bool is_empty_ = true;
 };
 
-// Throws unless a file of this name can be made: asked before the work, not after.
+// Throws unless a file of this name can be created: checked before the work, not after.
 void check_writable(const std::string& path);
 
 } // namespace cli

@@ -1,4 +1,4 @@
-// What every command does with the file of a mesh first: repairs that were asked for, notes and warnings.
+// The first steps of every command: reading the mesh, the requested repairs, notes and warnings.
 #pragma once
 
 #include <cstdint>

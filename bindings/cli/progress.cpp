@@ -20,7 +20,7 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 extern "C" void on_interrupt(int) {
-    // The second time the caller does not want to wait.
+    // A second interrupt ends the process at once.
     if (interrupted) std::_Exit(130);
     interrupted = 1;
 }

@@ -62,7 +62,7 @@ private:
     void make_quad_meshes();
     void count_fewest();
     void write_leaf_lines();
-    // (u, v) of each corner of the whole mesh, for whatever asks for it; NULL: of none, or nothing does.
+    // (u, v) of each corner of the whole mesh, for all outputs that need it; NULL: of none, or not needed.
     const double* unfold(bool wants_uv);
     void make_atlas();
     // Each component has a square of its own in a grid.

@@ -17,7 +17,7 @@ using readers::Json;
 
 constexpr double FAR_OFF = 0.1; // areas of quads and of their surface
 
-// The sum of a number in the reports of components; null: none has it.
+// The sum of a number in the reports of components; null: no component has it.
 Json sum(const Json::Array& reports, const char* key) {
     Json total;
     for (const Json& report : reports) {

@@ -1,4 +1,4 @@
-// hmf solve: what it is asked for, and what comes out.
+// hmf solve: its options and its outputs.
 #pragma once
 
 #include <hmf/applications.h>

@@ -35,7 +35,7 @@ void add_crossings(const Foliation& f, const hmf_lines& lines, const uint32_t* w
     for (uint64_t l = 0; l < lines.line_count; ++l) {
         const hmf_line& line = lines.lines[l];
         const bool is_critical = line.kind == HMF_LINE_CRITICAL;
-        // Of a double whose halves are not exactly symmetric: there stripes keep their width.
+        // Of a double whose halves are not exactly symmetric: stripes keep their width there.
         if (!is_critical && line.cylinder == HMF_NONE) continue;
         if (!is_critical) {
             heights.resize(std::max(heights.size(), size_t{before} + line.cylinder + 1), 1);

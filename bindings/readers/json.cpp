@@ -9,7 +9,7 @@ namespace readers {
 
 namespace {
 
-// Linear search in so many members; the parser sorts larger objects.
+// Linear search up to this many members; the parser sorts larger objects.
 constexpr size_t few = 16;
 constexpr int deepest = 64;
 

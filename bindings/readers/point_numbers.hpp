@@ -20,8 +20,8 @@ public:
     static uint64_t mix(uint64_t hash, uint64_t word);
 
 private:
-    // A table of numbers with open addressing.  Points that collide on purpose would make it slow: where more places
-    // are looked at than good luck explains, a search tree takes over.
+    // A table of numbers with open addressing. Points constructed to collide would make it slow, so after an unlikely
+    // number of probes a search tree takes over.
     struct Before {
         const std::vector<double>* positions;
         bool operator()(uint32_t a, uint32_t b) const;

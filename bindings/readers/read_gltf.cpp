@@ -20,8 +20,8 @@ namespace {
 
 constexpr uint32_t chunk_json = 0x4e4f534a, chunk_bin = 0x004e4942; // "JSON", "BIN\0"
 
-// Nodes may show a mesh again and again.  Beyond so many corners of triangles for each byte of the file it is not
-// believed that this is meant.
+// Nodes may repeat a mesh many times. Above this many corners of triangles for each byte of the file, the scene is
+// refused.
 constexpr uint64_t corners_for_a_byte = 2;
 
 // An element of one of the arrays at the top of the JSON, for sentences: "accessors[3]".
@@ -246,7 +246,7 @@ public:
     }
 
 private:
-    // Nodes whose parent is reached, and how many of them are done.
+    // Nodes whose parent has been visited, and how many of them are done.
     struct Branch {
         const Json::Array* nodes;
         size_t next;

@@ -202,7 +202,7 @@ public:
         big_endian_(header.big_endian) {}
 
     size_t line() const { return 0; }
-    // The count of the header is believed only as far as there are bytes.
+    // The count of the header is trusted only as far as there are bytes.
     void begin(const Element& element, uint64_t size) {
         if (size > 0 && element.count > left() / size)
             throw MeshError("the header declares " + std::to_string(element.count) + " rows of "
@@ -368,7 +368,7 @@ private:
         }
     }
 
-    // Rows of which one list is wanted.
+    // Rows with one list that is needed.
     template <typename ReadList>
     void read_rows(const Element& element, size_t wanted, const ReadList& read_list) {
         for (uint64_t row = 0; row < element.count; ++row) {

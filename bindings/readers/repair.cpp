@@ -172,7 +172,7 @@ private:
         patches.unite(a / 3, b / 3);
     }
 
-    // Of sides that wait at one edge: those with a key that two have, and no third, go to pairs_.
+    // Of the sides at one edge: those with a key that exactly two have go to pairs_.
     template <class Key>
     void pair_by(std::vector<uint32_t>& waiting, const Key& key) {
         std::sort(waiting.begin(), waiting.end(),
@@ -281,7 +281,7 @@ private:
         for (uint32_t c = 0; c < fan_.size(); ++c) fan_[c] = fans.of(c);
     }
 
-    // In each patch the fewer triangles; of as many those that do not turn as its first one.
+    // Reverses the smaller part of each patch; of equal parts the one that does not contain the first triangle.
     void turn() {
         const uint32_t count = triangle_count();
         std::vector<uint8_t> sense(count, 2);
@@ -358,7 +358,7 @@ private:
         for (size_t c = 0; c < fan_.size(); ++c) mesh_.triangles[c] = number[fan_[c]];
     }
 
-    // None, but where sheets that were told apart at one edge meet again at both its ends.
+    // None, except where sheets that were separated at one edge meet again at both its ends.
     void count_crowded_edges() {
         if (!was_crowded_) return;
         const Groups sides = group_sides(mesh_.triangles, mesh_.vertex_count());

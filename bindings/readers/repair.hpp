@@ -15,7 +15,7 @@
 
 namespace readers {
 
-// What was done, in this order, and what is left.
+// The repairs made, in this order, and the remaining defects.
 struct Repairs {
     size_t joined_vertices = 0;   // became one with another vertex at the same point, or in reach
     size_t repeated_vertex = 0;   // triangles dropped: they name one vertex twice
@@ -35,7 +35,7 @@ struct Repairs {
         return joined_vertices + repeated_vertex + duplicates + back_sides + split_vertices + cut_edges
              + turned_triangles + unused_vertices;
     }
-    // One for each kind of repair that was done, then for what is left.
+    // One sentence for each kind of repair made, then for the remaining defects.
     std::vector<std::string> sentences() const;
 };
 

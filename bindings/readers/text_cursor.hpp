@@ -43,7 +43,7 @@ public:
     // Between two lines only.
     bool at_end() const { return at_ == end_; }
     const char* place() const { return at_; }
-    // May be asked for the next but one only if the next is no '\n'.
+    // The next character but one; valid only if the next is no '\n'.
     char peek(size_t ahead = 0) const { return at_[ahead]; }
     void skip(size_t count) { at_ += count; }
 
