@@ -5,8 +5,8 @@
     >>> foliation.singularities()    # its zeros
     >>> foliations.plot(foliation)          # stripes along the leaves
 
-:class:`Hierarchy` is the mesh with its coarser levels, to solve on as often as
-wanted; :class:`Loops` are the closed curves that give the class;
+:class:`Hierarchy` is the mesh with its coarser levels; solve on it as often as
+you like.  :class:`Loops` are the closed curves that determine the class, and
 :class:`Foliation` is the result.  Every failure is an :class:`Error`.
 """
 

@@ -184,7 +184,7 @@ def structure(ctype: str, **values: Any) -> Any:
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """Results are shared between objects, so nobody may write to them."""
+    """Makes results read-only, because objects share them."""
     array.setflags(write=False)
     return array
 
@@ -237,7 +237,7 @@ _Entry = TypeVar("_Entry")
 
 
 class Rows(Sequence[_Entry]):
-    """A list of structures of the library; each becomes an object when it is asked for."""
+    """A list of structures of the library; each becomes an object on access."""
 
     def __init__(self, rows: NDArray[Any]) -> None:
         self._rows = rows
@@ -282,7 +282,7 @@ PROGRESS_INTERVAL = 0.01
 
 
 class Watch:
-    """What a running call reports to: the callback of the user and pending signals."""
+    """Receives the progress of a running call: calls the user's callback and handles pending signals."""
 
     def __init__(self, callback: ProgressCallback | None) -> None:
         self._callback = callback
@@ -323,7 +323,7 @@ class Watch:
             self._exception = exception
 
     def reraise(self) -> None:
-        """Raises what was raised inside the callback."""
+        """Raises the exception of the callback, if any."""
         exception, self._exception = self._exception, None
         if exception is not None:
             try:
@@ -333,7 +333,7 @@ class Watch:
 
 
 def _store(kind: type[BaseException], exception: BaseException, traceback: TracebackType | None) -> None:
-    """Nothing may be thrown through C: keeps the exception until the call has ended."""
+    """Stores an exception until the call has ended, because it must not pass through C."""
     if traceback is not None:
         ffi.from_handle(traceback.tb_frame.f_locals["watch"]).fail(exception.with_traceback(traceback))
 
@@ -381,7 +381,7 @@ class _Bar:
 
 @contextmanager
 def progress_callback(progress: ProgressOption, title: str) -> Iterator[ProgressCallback | None]:
-    """The callback for a progress option; True shows a bar for the time of the block."""
+    """The callback for a progress option; True shows a bar during the block."""
     if progress is None or progress is False:
         yield None
     elif progress is True:
@@ -399,7 +399,7 @@ def progress_callback(progress: ProgressOption, title: str) -> Iterator[Progress
 
 
 def part(callback: ProgressCallback | None, low: float, high: float) -> ProgressCallback | None:
-    """A callback for one of several calls, which together go from 0 to 1."""
+    """A callback for one of several calls that together report 0 to 1."""
     if callback is None:
         return None
     whole = callback
@@ -410,7 +410,7 @@ def part(callback: ProgressCallback | None, low: float, high: float) -> Progress
 
 
 class Outcome(NamedTuple):
-    """What a call gave."""
+    """Result of a call."""
 
     status: Status
     message: str

@@ -17,22 +17,24 @@ class RelaxOptions(TypedDict, total=False):
     """Fields of hmf_solve_options.
 
     method : "newton", "whitehead", "single_level" or "paper", optional
-        Newton steps on the twisted Laplacian (default), Whitehead moves
-        up the hierarchy, or Whitehead moves on your mesh alone.
+        "newton" (default): Newton steps on each level.  "whitehead":
+        Whitehead moves on each level.  "single_level": Whitehead moves on
+        your mesh alone.  "paper": as "whitehead", with the flips of the
+        paper, which may make poles; for comparison.
     tolerance : float, optional
         newton: largest residual, default 1e-8; the others: relative change
         of the energy per sweep, default 1e-6.
     residual_tolerance : float, optional
-        Residual up to which a result counts as converged.  newton: in place
-        of ``tolerance``; the others: sweeps go on until it is reached,
-        default none, and 1e-8 counts as converged.
+        Residual up to which a result counts as converged.  newton: replaces
+        ``tolerance``.  Other methods: sweeps continue until it is reached;
+        by default they stop by the energy, and 1e-8 counts as converged.
     time_limit : float, optional
         Seconds; default none.
     iteration_limit : int, optional
         Sweeps per level; default 100000.
     step_limit : int, optional
-        newton: steps on the finest level; default none.  Unlike ``time_limit``
-        the same result on every machine.
+        newton: steps on the finest level; default none.  Unlike ``time_limit``,
+        it gives the same result on every machine.
     """
 
     method: Method | None
@@ -44,7 +46,7 @@ class RelaxOptions(TypedDict, total=False):
 
 
 class SolveOptions(RelaxOptions, total=False):
-    """And where to end.
+    """The level to stop at.
 
     stop_level : int, optional
         Finest level to solve; default 0, your mesh.

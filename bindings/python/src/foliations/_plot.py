@@ -202,18 +202,18 @@ def plot(
     foliation : Foliation
         On any level.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; default a new figure.
+        Axes to draw into; default a new figure.
     view : (3,) floats, optional
-        Direction from the object towards the viewer; default: where the
-        object is seen in its full width, from somewhat above.
+        Direction from the object to the viewer; by default the object is seen
+        in its full width, from slightly above.
     pattern : "stripes", "checkerboard", "dilatation" or "none"
-        Leaves at equal distances; squares of (u, v); how far the
-        parameterization is from conformal, light is near; nothing.
+        Leaves at equal distances; squares of (u, v); the dilatation of the
+        parameterization, light where it is nearly conformal; nothing.
     spacing : float, optional
         Distance of two stripes, or of two squares of one color, in the unit
         of the values; default of stripes from ``stripes``.
     stripes : int
-        About how many stripes there are across the object.
+        Approximate number of stripes across the object.
     zeros : bool
         Whether to mark the zeros; the area of a mark grows with the order.
     loops : as for :meth:`Hierarchy.solve`, optional
@@ -221,8 +221,8 @@ def plot(
     quads : QuadMesh, optional
         Drawn instead of the surface, with its edges.
     leaves : Leaves, or sequence of Leaves, optional
-        Those to draw instead of stripes: of one set each cylinder has a color
-        and critical leaves are black, of several each set has one.
+        Drawn instead of stripes.  In a single set each cylinder has a color
+        and critical leaves are black; of several sets each has a color.
     color, stripe_color, zero_color, loop_color
         Colors of matplotlib.
 

@@ -43,7 +43,7 @@ def show(
     spacing : float, optional
         Distance of two leaves in the unit of the values.
     wait : bool
-        Until the window is closed; False only makes the scene.
+        Wait until the window is closed; False only creates the scene.
     progress : bool or function, optional
         As for :class:`Hierarchy`.
 

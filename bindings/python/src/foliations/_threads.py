@@ -20,15 +20,15 @@ _lent = _Lent()
 
 @contextmanager
 def threads(count: int = 0) -> Iterator[int]:
-    """Lends threads to all calls of this package that this thread makes in the block.
+    """Uses threads for all calls of this package that this Python thread makes in the block.
 
         with foliations.threads():
             foliation = foliations.solve("mesh.obj")
 
-    ``count`` is their number, the calling one included, at most 256; 0 stands for one for each
-    processor. The block gets the number there is. Results have the same bits with every number of
-    threads, and without. Blocks may be nested: the innermost one counts. Other Python threads lend
-    for themselves.
+    ``count`` is the number of threads, including the calling one, at most 256; 0: one for each
+    processor. The block yields the actual number. Results are bit-identical for any number of
+    threads. Blocks may be nested; the innermost one applies. It applies to calls of this Python
+    thread only.
     """
     if not 0 <= count <= 256:
         raise ValueError(f"count is {count}; give a number of threads up to 256, or 0 for all processors")

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """A place in the unit square for each triangle; made by :meth:`Foliation.atlas`.  Arrays are read-only."""
+    """Coordinates in the unit square for each triangle corner.
+
+    Made by :meth:`Foliation.atlas`.  Arrays are read-only.
+    """
 
     corner_uv: Floats  #: (triangle_count, 3, 2) float64
     triangle_chart: Indices  #: (triangle_count,) uint32
@@ -43,9 +46,9 @@ def atlas(foliation: Foliation, *, margin: float | None = None, progress: Progre
     """Charts without overlap in the unit square, for painting and baking.
 
     Each cylinder of the foliation is a rectangle; charts are rectangles that
-    are cut open, joined and packed.  They are conformal as (u, v) is, with
-    areas in proportion to those in space.  Few and even charts come from
-    :func:`even_design`.
+    are cut open, joined and packed.  They are as conformal as (u, v), and their
+    areas are proportional to areas on the surface.  Even designs give fewer and
+    larger charts (:func:`even_design`).
 
     Parameters
     ----------

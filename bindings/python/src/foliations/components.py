@@ -205,7 +205,7 @@ class Components(Sequence[Component]):
             As for :class:`Hierarchy`.
         {options}
 
-        What is wrong with one component, or its loops, is said in its row; other failures are raised.
+        Errors of one component or its loops are in its row; other failures are raised.
         """
         if options.get("stop_level"):
             raise ValueError("components have levels of their own: stop_level is always 0.")
@@ -258,7 +258,7 @@ class Components(Sequence[Component]):
 
 @dataclass(frozen=True)
 class ComponentRow:
-    """What became of one component; made by :meth:`Components.solve`."""
+    """Result for one component; made by :meth:`Components.solve`."""
 
     number: int
     component: Component
@@ -268,7 +268,7 @@ class ComponentRow:
 
     @property
     def row(self) -> dict[str, Any]:
-        """It as a row of a table, with the names of :func:`solve_row`."""
+        """The result as a row of a table, with the columns of :func:`solve_row`."""
         report = None if self.foliation is None else self.foliation.report
         return {
             "component": self.number,

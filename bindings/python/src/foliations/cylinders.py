@@ -61,7 +61,7 @@ def cylinders(
     Parameters
     ----------
     loops, weights : as for :meth:`Hierarchy.solve`, optional
-        Those that the values belong to, to say which cylinder is whose; default those of :attr:`Foliation.loops`.
+        Loops of the foliation, to match cylinders to loops; default those of :attr:`Foliation.loops`.
     progress : bool or function, optional
         As for :class:`Hierarchy`.
 

@@ -100,9 +100,9 @@ class Error(Exception):
     Attributes
     ----------
     status : Status
-        Which failure it is.
+        The status of the failure.
     element : Element
-        What kind of element it is about; ``Element.NONE`` if about none.
+        Kind of the element concerned; ``Element.NONE`` if there is none.
     index : int or None
         Number of that element; None if ``element`` is ``Element.NONE``.
     message : str
@@ -165,7 +165,7 @@ class InternalError(Error, RuntimeError):
 class Cancelled(Error):
     """A progress callback said :attr:`Progress.CANCEL`.
 
-    ``foliation`` is the result if it was at hand already, otherwise None.
+    ``foliation`` is the result if it existed already, otherwise None.
     """
 
     def __init__(

@@ -66,7 +66,7 @@ class Singularity:
 
 
 class Singularities(Rows[Singularity]):
-    """Zeros and poles of a foliation, behind them the marked vertices that are in no zero.
+    """Zeros and poles of a foliation, followed by the marked vertices that are in no zero.
 
     Indices add up to 4 - 4 genus - marked vertices.
 
@@ -174,14 +174,14 @@ class Foliation:
         return Foliation._again, (self._hierarchy, self.level, self._values, self._status, self.report)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes level and values, exactly, as an archive of numpy (npz); the mesh and the report are not in it."""
+        """Writes level and values exactly to a NumPy archive (npz), without mesh and report."""
         level, mesh = self.level, _checksum(self._hierarchy, self.level)
         with open(path, "wb") as file:
             np.savez_compressed(file, values=self._values, level=level, status=int(self._status), mesh=mesh)
 
     @staticmethod
     def load(path: str | os.PathLike[str], hierarchy: Hierarchy, *, progress: ProgressOption = None) -> Foliation:
-        """What :meth:`save` wrote, on a hierarchy of the same mesh.
+        """Reads a file of :meth:`save`, on a hierarchy of the same mesh.
 
         For level 0 the same triangles are enough; coarser levels take the
         same positions and options as well.
@@ -199,12 +199,12 @@ class Foliation:
 
     @property
     def hierarchy(self) -> Hierarchy:
-        """The hierarchy it lies on."""
+        """The hierarchy of the foliation."""
         return self._hierarchy
 
     @property
     def loops(self) -> Loops | None:
-        """The loops that it was solved for, with their weights; None of values that came without any.
+        """The loops of the solve, with their weights; None if the values came without loops.
 
         Those of the library lie on your mesh, level 0.
         """
@@ -214,7 +214,7 @@ class Foliation:
 
     @property
     def level(self) -> int:
-        """Its level; 0 is your mesh."""
+        """Level of the foliation; 0 is your mesh."""
         return int(lib.hmf_foliation_level(self._pointer))
 
     @property
@@ -224,7 +224,10 @@ class Foliation:
 
     @property
     def memory(self) -> int:
-        """Bytes held by the foliation, without its hierarchy; more once it was parameterized, say."""
+        """Bytes held by the foliation, without its hierarchy.
+
+        Grows once, at the first :meth:`parameterize`, :meth:`quads` or :meth:`trace`.
+        """
         return int(lib.hmf_foliation_memory(self._pointer))
 
     @property
@@ -237,12 +240,12 @@ class Foliation:
 
     @property
     def status(self) -> Status:
-        """OK, or why the improvement stopped: LIMIT_... or CANCELLED (by ``Progress.FINISH``)."""
+        """OK, or why the solve stopped early: LIMIT_... or CANCELLED (by ``Progress.FINISH``)."""
         return self._status
 
     @property
     def converged(self) -> bool:
-        """Whether it was solved, and to the tolerance."""
+        """Whether it was solved to the tolerance."""
         return self.report is not None and self.report.converged
 
     @property
@@ -288,7 +291,7 @@ class Foliation:
     def conformal_scale(self, *, progress: ProgressOption = None) -> Floats:
         """(triangle_count,) float64: natural logarithm of the length of the gradient on each triangle.
 
-        By how much a conformal (u, v) stretches there, in the unit of the values / that of the positions.
+        The local scale of a conformal (u, v), in the unit of the values / the unit of the positions.
         """
         result = np.empty(self._hierarchy.levels[self.level].triangle_count)
         call(
@@ -319,7 +322,7 @@ class Foliation:
         )
 
     def interpolate(self, level: int, *, progress: ProgressOption = None) -> Foliation:
-        """The same class on another level, finer or coarser: exact in its class, but not harmonic there.
+        """The foliation on another level, finer or coarser: exactly in the same class, but not harmonic there.
 
         For a quick preview of a mesh solve with ``stop_level`` instead.
 
@@ -335,7 +338,9 @@ class Foliation:
 
     @takes(RelaxOptions)
     def relax(self, *, progress: ProgressOption = None, **options: Unpack[RelaxOptions]) -> Foliation:
-        """These values improved on their level; parameters, result and errors as for :meth:`Hierarchy.solve`.
+        """Solves on the level of this foliation, starting from it.
+
+        Parameters, result and errors as for :meth:`Hierarchy.solve`.
 
         Raises
         ------

@@ -164,19 +164,19 @@ class Hierarchy:
     coarsest : int, optional
         Vertices of the coarsest level to aim for; default a sixteenth of all, and 1000 at most.
     collapse : "midpoint", "endpoint" or "qslim", optional
-        Which edges are collapsed: the shortest to its midpoint (default) or
-        to one end, or that of least quadric error to its best point.
+        "midpoint" (default): shortest edge, to its midpoint; "endpoint":
+        shortest edge, to one end; "qslim": least quadric error.
     memory_limit : int, optional
-        Bytes in use at any time, default none; also bounds each later call.
+        Largest number of bytes in use, also during later calls; default none.
     mollify : float, optional
-        In [0, 0.1], default 0 = off; try 1e-5.  Accepts triangles without
-        area and edges without length: the edges of level 0 get longer by the
-        least amount with which every triangle inequality holds by a margin of
-        mollify * mean length.
+        In [0, 0.1], default 0 = off; 1e-5 is a good value.  Accepts triangles of
+        zero area and edges of length 0: adds a length to all edges, the smallest
+        with which every triangle inequality holds with a margin of mollify *
+        mean length.  Only the weights of level 0 change.
     marked_vertices : sequence of int or "suggest", optional
-        Vertices that may carry a pole, which stay where they are on every level;
-        a sphere needs four or more, a disk four on its boundary or two inside.  Default, for these, and "suggest":
-        those of :func:`suggest_marks`.  ``[]``: none.
+        Vertices that may be poles.  A sphere needs at least four, a disk four on
+        its boundary or two inside.  By default a sphere or disk gets those of
+        :func:`suggest_marks`, other meshes none; "suggest" requests them.  ``[]``: none.
     closed : bool
         True: a mesh with a boundary is refused.
     progress : bool or function, optional
@@ -184,7 +184,7 @@ class Hierarchy:
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
         return a member of :class:`foliations.Progress`.
 
-    Nothing refers to the given arrays afterwards; they must not change during the call.
+    The arrays are not used after the call, but must not change during it.
 
     Raises
     ------
@@ -325,13 +325,13 @@ class Hierarchy:
 
     @property
     def marked_vertices(self) -> Indices:
-        """(n,) uint32: those that were given or suggested."""
+        """(n,) uint32: the marked vertices, given or suggested."""
         marks = self._options["marked_vertices"]
         return frozen(np.empty(0, np.uint32)) if marks is None else marks
 
     @property
     def boundary_count(self) -> int:
-        """Number of closed curves that the boundary consists of."""
+        """Number of boundary curves."""
         return int(lib.hmf_boundary_count(self._pointer))
 
     @property
@@ -345,14 +345,15 @@ class Hierarchy:
         Parameters
         ----------
         kind : "cut", "handle", "tunnel" or "pants"
-            genus many, which together cut the surface into one planar piece;
-            those of "handle" bound inside the surface, those of "tunnel" outside.
-            Genus 0: "cut" goes around pairs of marked vertices.
-            "pants": 3 genus - 3 + marked vertices (genus 1 without those: one),
-            which leave pairs of pants.  With boundary "cut" has also one loop
-            along each boundary and, on a disk, arcs; there is no "handle" and "tunnel".
+            "cut": genus loops that together cut the surface into one planar piece.
+        "handle", "tunnel": the same, and each loop bounds a surface inside or
+        outside the solid.  "pants": 3 genus - 3 + marked vertices loops (one on a
+        torus without marked vertices) that cut the surface into pairs of pants.
+        On genus 0 "cut" goes around pairs of marked vertices.  With boundary
+        "cut" also has one loop along each boundary and, on a disk, arcs;
+        "handle" and "tunnel" are not available.
         level : int, optional
-            Default 0, your mesh; on the coarsest, ``len(levels) - 1``, they are found fastest.
+            Default 0, your mesh; the search is fastest on the coarsest, ``len(levels) - 1``.
         progress : bool or function, optional
             As for :class:`Hierarchy`.
         """
@@ -368,7 +369,7 @@ class Hierarchy:
         *,
         progress: ProgressOption = None,
     ) -> Foliation:
-        """The initial foliation of loops on their level: for each edge the weights of the loops that cross it.
+        """The initial foliation of loops on their level: each value is the sum of the weights of the crossing loops.
 
         Parameters
         ----------
@@ -389,7 +390,7 @@ class Hierarchy:
     def _loops_of(
         self, loops: LoopsLike, default: LoopsKind | None, weights: ArrayLike | None, method: str | None
     ) -> Loops | Sequence[ArrayLike] | None:
-        """Loops of a kind, where they are found fastest."""
+        """Loops of a kind, on the level where the search is fastest."""
         kind = default if loops is None else loops
         if kind is None or not isinstance(kind, str):
             return kind
@@ -405,7 +406,7 @@ class Hierarchy:
         return self.loops(of_library, level=0 if fine else len(self.levels) - 1)
 
     def foliation(self, values: ArrayLike, *, level: int = 0, progress: ProgressOption = None) -> Foliation:
-        """Your own values as a foliation, for example ones that were stored.
+        """A foliation from your own values, for example from a file.
 
         Parameters
         ----------
@@ -447,21 +448,21 @@ class Hierarchy:
         weights : (number of loops,) floats, optional
             Positive, the unit of the values; default those of the loops.
         initial : Foliation, optional
-            Instead of loops: start from its values, in their class.  It may
-            lie on another hierarchy of the same triangles, for example of the
-            last frame of an animation.  Where it is close to the minimum
-            already, :meth:`Foliation.relax` is faster.
+            Start from this foliation instead of loops, and keep its class.  It may
+        lie on another hierarchy of the same triangles, for example of the
+        previous frame of an animation.  If it is close to the minimum,
+        :meth:`Foliation.relax` is faster.
         {options}
         progress : bool or function, optional
-            As for :class:`Hierarchy`.  ``Progress.FINISH`` ends the improvement
-            and gives the foliation so far, with ``status`` CANCELLED.
+            As for :class:`Hierarchy`.  ``Progress.FINISH`` ends the solve with the best
+        foliation so far, with ``status`` CANCELLED.
 
         Returns
         -------
         Foliation
-            On ``stop_level``.  Where a limit stopped the improvement, its
-            ``status`` says which, and :class:`foliations.LimitWarning` is issued; the
-            values are closed and without poles all the same.
+            On ``stop_level``.  If a limit stops the solve, ``status`` names the limit and
+        :class:`foliations.LimitWarning` is issued; the values are still closed and
+        without poles.
 
         Raises
         ------
@@ -500,7 +501,7 @@ class Hierarchy:
 
 
 def _suggested(points: Floats, corners: Indices, error: MeshError, limits: dict[str, Any]) -> Indices | None:
-    """Marks for a mesh that needs some; where there are none the error stands."""
+    """Marked vertices for a mesh that needs some; otherwise the error is raised."""
     try:
         marks = suggest_marks(points, corners, **limits)
     except MeshError:
@@ -518,7 +519,9 @@ def suggest_marks(
     mollify: float | None = None,
     progress: ProgressOption = None,
 ) -> Indices:
-    """Marked vertices for a mesh of genus 0, as (n,) uint32: two at the tip of each limb, 4 to 24; none for genus 1 up.
+    """Marked vertices for a mesh of genus 0, as (n,) uint32: two at the tip of each limb, 4 to 24.
+
+    None for genus 1 up.
 
     Of several components each gets its own.
 
@@ -537,7 +540,7 @@ def suggest_marks(
 
 @dataclass(frozen=True, repr=False)
 class Design:
-    """Marked vertices, loops and weights that suit each other; made by :func:`even_design`."""
+    """Marked vertices, loops and weights of an even design; made by :func:`even_design`."""
 
     marked_vertices: Indices  #: for :class:`Hierarchy`
     loops: Loops  #: with weights, for :meth:`Hierarchy.solve` on a hierarchy with these marked vertices
@@ -563,18 +566,20 @@ def even_design(
     mollify: float | None = None,
     progress: ProgressOption = None,
 ) -> Design:
-    """Marked vertices, loops and weights for which stripes and quads are about equally wide everywhere.
+    """Chooses marked vertices, loops and weights with a nearly constant scale.
+
+    Stripes and quads have nearly equal width.
 
     ``solve(mesh, loops="even")`` does this and solves.
 
     Parameters
     ----------
     marked_vertices : sequence of int, optional
-        They are part of the design.
+        Become part of the design.
     no_poles : bool
-        No other marked vertices, where that can be.
+        Adds no other marked vertices, if possible.
     solve_limit : int, optional
-        Of the search, in solves of a coarse mesh; the default takes about ten solves of yours.
+        Budget of the search, in solves of a coarse mesh; the default takes about ten solves of your mesh.
     positions, triangles, memory_limit, mollify, progress
         And the errors: as for :class:`Hierarchy`.
     """

@@ -98,7 +98,7 @@ def trace(
     point_barycentrics: ArrayLike | None = None,
     progress: ProgressOption = None,
 ) -> Leaves:
-    """Leaves as polylines; without any argument the critical ones, which join zeros.
+    """Leaves as polylines; without arguments the critical leaves, which join zeros.
 
     No two leaves of the foliation cross, and each closes exactly; its values
     need not be harmonic.  Conjugate leaves do not close in general, and need
@@ -107,15 +107,14 @@ def trace(
     Parameters
     ----------
     leaves : "foliation" or "conjugate"
-        Those along which u is constant, or v; see :meth:`Foliation.parameterize`.
+        Leaves on which u is constant, or v; see :meth:`Foliation.parameterize`.
     spacing : float, optional
-        Leaves about so far apart, in the unit of the values, all over the surface.
+        Approximate distance of leaves over the whole surface, in the unit of the values.
     critical : bool
         All leaves out of zeros.
     length_limit : float, optional
-        Where a leaf stops, in each direction, in the unit of the positions;
-        default nowhere, for conjugate leaves after ten times the root of the
-        area of the surface.
+        Length at which a leaf stops, in each direction, in the unit of the positions;
+        default none, for conjugate leaves ten times the square root of the area.
     point_triangles, point_barycentrics : (n,) ints and (n, 3) floats, optional
         The leaves through these points, given by triangle and barycentric
         coordinates: not negative, of sum 1.

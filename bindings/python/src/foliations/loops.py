@@ -35,7 +35,7 @@ LoopKind = Literal["vertices", "triangles"]
 
 
 class Loops(Sequence[Indices]):
-    """Disjoint closed curves with weights: they give the class of a foliation.
+    """Disjoint closed curves with weights: they determine the class of a foliation.
 
     Parameters
     ----------
@@ -43,8 +43,7 @@ class Loops(Sequence[Indices]):
         One path for each loop.  Consecutive elements are neighbors, and so
         are the last and the first, which may also be repeated at the end.
     kind : "vertices" or "triangles"
-        Vertices that follow each other along edges, or triangles that follow
-        each other across edges.
+        Consecutive vertices share an edge; consecutive triangles share an edge.
     level : int
         Of the hierarchy; 0 is your mesh.
     weights : (number of loops,) floats, optional
@@ -118,14 +117,14 @@ class Loops(Sequence[Indices]):
         Parameters
         ----------
         picked : sequences of int, or (n, 3) floats
-            For each loop at least three vertices, or points near them, in their order along it and
-            on all sides: where the shortest path from the last to the first
-            is the way back, the loop goes around nothing.
+            For each loop at least three vertices, or points near them, in order and on
+            all sides of what the loop goes around.  If the shortest path from the last
+            to the first runs back along the others, the loop goes around nothing.
         crossing : Loops, optional
-            At most six loops of level 0, such as ``hierarchy.loops("handle", level=0)[:1]``.  The shortest
-            closed path is taken that crosses each of them an odd number of times, so
-            it runs through their handles; one picked point is then enough, and without any
-            it is the shortest of all.
+            At most six loops of level 0, such as ``hierarchy.loops("handle", level=0)[:1]``.  The
+            result is the shortest closed path that crosses each of them an odd number
+            of times, so it runs through their handles.  One picked point is then enough;
+            without any it is the shortest of all.
         weights : (number of loops,) floats, optional
             As for :class:`Loops`.
         """

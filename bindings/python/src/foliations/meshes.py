@@ -254,19 +254,19 @@ def repair(
     join_points: bool | float = False,
     fill_holes: int = 0,
 ) -> RepairedMesh:
-    """Repairs that lose nothing, as ``hmf --repair`` does them.
+    """Lossless repairs, as with ``hmf --repair``.
 
-    Triangles that repeat a vertex or each other are dropped, and vertices without a triangle; sheets come apart where
-    they touch in a vertex or an edge; patches are turned to one sense.
+    Drops triangles with a repeated vertex, duplicate triangles and unused vertices; separates sheets that touch in a
+    vertex or an edge; orients patches consistently.
 
     Parameters
     ----------
     positions, triangles
         As for :class:`Hierarchy`.
     join_points : bool or float
-        True: vertices at the same point become one first; a distance: those that are not further apart.
+        Merges vertices before the repair: True: those at the same point; a distance: those within it.
     fill_holes : int
-        Every boundary of at most so many edges is closed.
+        Closes every boundary of at most this many edges.
     """
     given: Any = positions
     mesh = as_mesh(given) if triangles is None else (as_positions(given), as_indices(triangles, "triangles", 3))

@@ -74,23 +74,23 @@ def quads(
     Parameters
     ----------
     edge_length : float, optional
-        Wished mean length of an edge, in the unit of the positions; default:
-        about half as many quads as there are triangles.
+        Target for the mean edge length, in the unit of the positions; by default there are
+        about half as many quads as triangles.
     count : int, optional
-        Wished number of quads instead; the result is as near as the grids allow.
+        Target number of quads instead; met as closely as the grids allow.
     merge : bool
         A critical leaf shorter than half an edge gets no quad, and its zeros become one vertex.
     keep_poles : bool
         A pole stays a vertex with two edges.
     relax : int, optional
-        Steps in which vertices move on the surface to even out angles and sides; default: they stay on their leaves.
+        Rounds that move vertices on the surface to improve angles and sides; by default vertices stay on their leaves.
     progress : bool or function, optional
         As for :class:`Hierarchy`.
 
     Raises
     ------
     UnsupportedError
-        A zero goes around a part of the surface that no leaf crosses, or no grids match for edges so long.
+        A zero surrounds a part of the surface that no leaf crosses, or the edges are so long that no grids match.
     FoliationError
         The values cannot be used.
     """

@@ -1,4 +1,4 @@
-"""What a solve tells about itself."""
+"""The report of a solve."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Report:
     class_seconds: float  #: for the certificate, part of solve_seconds
 
     def __str__(self) -> str:
-        """Several lines: what was reached, at what cost, and on which level."""
+        """Several lines: the result, its cost, and the work on each level."""
         reached = "converged" if self.converged else "not converged"
         residual = f"residual {self.residual_max:.2g}" if self.residual_max >= 0 else "residual not evaluated"
         lines = [

@@ -44,7 +44,7 @@ def _plain(name: str, value: Any) -> Any:
 def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
     """Solves one mesh of a table; never raises for a mesh that cannot be solved.
 
-    A pure function of its arguments, which can be sent to other processes: for
+    A pure function of its arguments, so other processes can run it: for
     ``concurrent.futures``, Ray Data (``dataset.map``) and Dask (``bag.map``).
 
     Parameters
