@@ -65,7 +65,7 @@ int32_t NewtonUpdate::index_of(uint32_t v, uint32_t closed) const {
     return 2 - static_cast<int32_t>(f_.mesh.is_marked(v)) - static_cast<int32_t>(closed);
 }
 
-// unchanged: as regular, or as singular, as before the step.
+// kept: as regular, or as singular, as before the step.
 HMF_INLINE NewtonUpdate::Shape NewtonUpdate::shape(uint32_t v) const {
     const Rings::Side* side = &rings_.side[rings_.offset[v]];
     const uint32_t degree = rings_.offset[v + 1] - rings_.offset[v];
@@ -76,7 +76,7 @@ HMF_INLINE NewtonUpdate::Shape NewtonUpdate::shape(uint32_t v) const {
     if (broken) return Shape::broken;
     if (closed != NONE)
         return index_of(v, closed) > 0                ? Shape::extremum
-             : index_of(v, closed) == model_.index[v] ? Shape::unchanged
+             : index_of(v, closed) == model_.index[v] ? Shape::kept
                                                       : Shape::misplaced;
     for (uint32_t t = 0; t < degree; ++t)
         if (f_.corner2(side[t].half_edge) < 0) return Shape::broken;
@@ -100,7 +100,7 @@ uint64_t NewtonUpdate::find_candidates() {
         for (size_t i = begin; i < end; ++i) {
             const uint32_t v = static_cast<uint32_t>(i);
             const Shape s = shape(v);
-            if (s == Shape::unchanged) continue;
+            if (s == Shape::kept) continue;
             list[begin + here.candidates++] = v;
             here.extrema += s == Shape::extremum;
         }
@@ -118,7 +118,7 @@ void NewtonUpdate::list_invalid(Array<uint32_t>& invalid) const {
     invalid.clear();
     for (const uint32_t v : candidate_) {
         const Shape s = shape(v);
-        if (s != Shape::unchanged && s != Shape::has_zero) invalid.add(v);
+        if (s != Shape::kept && s != Shape::has_zero) invalid.add(v);
     }
 }
 
@@ -148,8 +148,7 @@ bool NewtonUpdate::remove_extrema(double factor, Array<uint32_t>& patch) {
     const bool removed = check_candidates([&](uint32_t v) {
         const Shape s = shape(v);
         if (s == Shape::broken) return false;
-        if (s == Shape::unchanged || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before))
-            return true;
+        if (s == Shape::kept || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before)) return true;
         if (s == Shape::has_zero && !explore_cluster(f_, v).is_pole()) return true;
         moved = true;
         return remove_extremum(f_, v);

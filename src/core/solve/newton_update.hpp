@@ -48,7 +48,7 @@ public:
     void forget_too_far() { too_far_ = NONE; }
 
 private:
-    enum class Shape : uint8_t { unchanged, misplaced, extremum, has_zero, broken };
+    enum class Shape : uint8_t { kept, misplaced, extremum, has_zero, broken };
 
     int64_t rounded(uint32_t k, double factor) const;
     void set_value(uint32_t e);
