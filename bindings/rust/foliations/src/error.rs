@@ -72,7 +72,7 @@ statuses! {
     ERROR_MESH_BOUNDARY = HMF_ERROR_MESH_BOUNDARY;
     /// An edge with three or more triangles.
     ERROR_MESH_NON_MANIFOLD_EDGE = HMF_ERROR_MESH_NON_MANIFOLD_EDGE;
-    /// Neighbouring triangles turn in opposite senses.
+    /// Neighboring triangles turn in opposite senses.
     ERROR_MESH_ORIENTATION = HMF_ERROR_MESH_ORIENTATION;
     /// A vertex with several fans of triangles.
     ERROR_MESH_NON_MANIFOLD_VERTEX = HMF_ERROR_MESH_NON_MANIFOLD_VERTEX;
@@ -90,7 +90,7 @@ statuses! {
     ERROR_LOOP_COUNT = HMF_ERROR_LOOP_COUNT;
     /// A loop names an element that does not exist on its level.
     ERROR_LOOP_INDEX = HMF_ERROR_LOOP_INDEX;
-    /// Consecutive elements of a loop are not neighbours.
+    /// Consecutive elements of a loop are not neighbors.
     ERROR_LOOP_NOT_CLOSED = HMF_ERROR_LOOP_NOT_CLOSED;
     /// A loop crosses itself.
     ERROR_LOOP_NOT_SIMPLE = HMF_ERROR_LOOP_NOT_SIMPLE;
