@@ -45,7 +45,7 @@ static bool is_of_c(const std::string& sentence) {
     return false;
 }
 
-static std::string in_words_of_tool(std::string message) {
+std::string in_words_of_tool(std::string message) {
     for (const auto& [library, tool] : words_of_tool)
         if (const size_t at = message.find(library); at != std::string::npos) message.replace(at, library.size(), tool);
     std::string kept;
@@ -140,7 +140,9 @@ void fail_with(hmf_status status, const hmf_error& error, const std::string& sub
             sentence += std::string(" (") + name + " " + std::to_string(error.index) + ")";
         const std::string said = in_words_of_tool(error.message);
         const std::string message = naming ? in_names_of_file(said, naming) : said;
-        if (!message.empty()) sentence += ": " + message;
+        // "Not available" says less than why.
+        if (!message.empty() && status == HMF_ERROR_UNSUPPORTED) sentence = subject + ": " + message;
+        else if (!message.empty()) sentence += ": " + message;
     }
     if (!advice.empty() && sentence.back() == '.') sentence.pop_back();
     throw Failure(exit_status_of(status), sentence + advice);

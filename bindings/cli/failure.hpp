@@ -32,6 +32,9 @@ using Naming = std::function<std::string(int32_t element, uint64_t index, bool w
 [[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject,
                             const std::string& advice = "", const Naming& naming = nullptr);
 
+// A sentence of the library with the options of the tool; without what is of the C interface.
+std::string in_words_of_tool(std::string message);
+
 // "Triangle 5 (4, 8, 5) has no area." by the names of the file: "Face 3 has no area."
 std::string in_names_of_file(const std::string& message, const Naming& naming);
 

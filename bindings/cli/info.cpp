@@ -171,7 +171,7 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
         if (total.status != HMF_OK) {
             report.set("status", total.status);
             report.set("text", hmf_status_string(total.status));
-            report.set("message", total.error.message);
+            report.set("message", in_words_of_tool(total.error.message));
             report.set("index", total.error.index);
         } else {
             report.set("vertices", vertices);
@@ -189,6 +189,7 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
             report.set("memory_estimate_bytes", memory);
         }
         report.set("boundaries", boundaries);
+        report.set("components_usable", good);
         if (alone) report.set("components", 1);
         else report.set("components", rows);
         std::printf("%s\n", report.dump(2).c_str());

@@ -64,6 +64,22 @@ Place FloatFrame::origin() const {
     return distance / 2 > far * size ? middle : Place{};
 }
 
+bool FloatFrame::joins(const double* a, const double* b) const {
+    const Place from = origin();
+    bool same = true, equal = true;
+    for (size_t k = 0; k < 3; ++k) {
+        same = same && a[k] == b[k];
+        equal = equal && static_cast<float>(a[k] - from[k]) == static_cast<float>(b[k] - from[k]);
+    }
+    return equal && !same;
+}
+
+void warn_of_joined(const std::string& path, size_t edges) {
+    if (edges == 0) return;
+    std::fprintf(stderr, "%s: %s too short for its single precision, which loses the shape there; write .ply or .obj\n",
+                 path.c_str(), edges == 1 ? "1 edge is" : (std::to_string(edges) + " edges are").c_str());
+}
+
 void check_writable(const std::string& path) {
     if (path == "-") return;
     std::error_code code;

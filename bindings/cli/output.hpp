@@ -31,11 +31,16 @@ class FloatFrame {
 public:
     void add(const double* point);
     Place origin() const;
+    // Whether floats, relative to the origin, have one place for two different points.
+    bool joins(const double* a, const double* b) const;
 
 private:
     Place low_{}, high_{};
     bool is_empty_ = true;
 };
+
+// A sentence on standard error, where edges have no length in a file that has floats.
+void warn_of_joined(const std::string& path, size_t edges);
 
 // Throws unless a file of this name can be created: checked before the work, not after.
 void check_writable(const std::string& path);

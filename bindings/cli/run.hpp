@@ -82,9 +82,9 @@ private:
     // log |grad u| of each triangle of the whole mesh.
     std::vector<double> log_scale() const;
     bool shows_uv() const { return style_.pattern == Pattern::checkerboard || style_.pattern == Pattern::dilatation; }
-    // An output that fails does not take the others with it.
+    // An output that fails does not take the others with it.  unfit: takes the sentence where the mesh is the reason.
     template <class Work>
-    void attempt(const char* option, bool wanted, const Work& work) {
+    void attempt(const char* option, bool wanted, const Work& work, std::vector<std::string>* unfit = nullptr) {
         if (!wanted) return;
         ExitStatus status = EXIT_RESOURCES;
         try {
@@ -93,16 +93,31 @@ private:
         } catch (const Failure& failure) {
             // The command was right: only this mesh shows that it cannot be.
             status = failure.exit_status == EXIT_USAGE ? EXIT_BAD_INPUT : failure.exit_status;
-            outcome_.errors.push_back(std::string(option) + ": " + failure.what());
+            const std::string sentence = std::string(option) + ": " + failure.what();
+            if (unfit && status == EXIT_BAD_INPUT) return unfit->push_back(sentence);
+            outcome_.errors.push_back(sentence);
             if (was_interrupted()) progress_.finish_quietly(); // only the output that was being made is given up
         } catch (const std::bad_alloc&) { outcome_.errors.push_back(std::string(option) + ": out of memory"); }
         if (outcome_.exit_status == EXIT_SOLVED || outcome_.exit_status == EXIT_LIMIT) outcome_.exit_status = status;
     }
-    // For each component with a foliation; the others get what they can where it fails for one.
+    // For each component with a foliation.  Where some cannot have the output, the others get it, and it is a note.
     template <class Work>
     void attempt_each(const char* option, bool wanted, const Work& work) {
-        for (Component& c : components_)
-            if (!c.is_refused()) attempt(option, wanted, [&] { work(c); });
+        std::vector<std::string> unfit;
+        size_t tried = 0;
+        for (Component& c : components_) {
+            if (c.is_refused()) continue;
+            ++tried;
+            attempt(
+                option, wanted, [&] { work(c); }, &unfit);
+        }
+        if (unfit.empty()) return;
+        const bool none = unfit.size() == tried;
+        std::vector<std::string>& said = none ? outcome_.errors : outcome_.notes;
+        said.insert(said.end(), unfit.begin(), unfit.end());
+        if (!none) return;
+        if (outcome_.exit_status == EXIT_SOLVED || outcome_.exit_status == EXIT_LIMIT)
+            outcome_.exit_status = EXIT_BAD_INPUT;
     }
     template <class Of>
     const double* of_triangles(std::vector<double>& all, size_t width, const Of& of) {
@@ -126,6 +141,8 @@ private:
     readers::Json report_json(double seconds) const;
     // Sums over the components, then their own reports.
     void add_totals(readers::Json& report) const;
+
+    size_t solved_count() const;
 
     bool is_alone() const { return components_.size() == 1; }
 

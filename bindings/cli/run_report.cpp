@@ -62,8 +62,7 @@ void Run::report() {
     };
     std::string summary = name_ + ": ";
     if (!is_alone())
-        summary += std::to_string(components_.size()) + " components, "
-                 + std::to_string(components_.size() - outcome_.notes.size()) + " solved, ";
+        summary += std::to_string(components_.size()) + " components, " + std::to_string(solved_count()) + " solved, ";
     char line[300];
     const size_t boundaries = static_cast<size_t>(number(*json.find("mesh"), "boundaries"));
     const std::string rims = boundaries == 0 ? ""
@@ -77,9 +76,13 @@ void Run::report() {
         counted(static_cast<size_t>(number(json, "poles")), "pole").c_str(), seconds);
     outcome_.summary = summary + line;
     if (r_.count > 0 && quads_ > 0)
-        outcome_.summary += "\n" + r_.quads + ": " + counted(quads_, "quad") + ", " + std::to_string(irregular_)
-                          + (irregular_ == 1 ? " irregular vertex, " : " irregular vertices, ")
-                          + counted(inverted_, "inverted quad") + area_sentence();
+        outcome_.summary +=
+            "\n" + r_.quads + ": " + counted(quads_, "quad")
+            + (quad_meshes_.size() < components_.size() ? " on " + std::to_string(quad_meshes_.size()) + " of "
+                                                              + std::to_string(components_.size()) + " components, "
+                                                        : ", ")
+            + std::to_string(irregular_) + (irregular_ == 1 ? " irregular vertex, " : " irregular vertices, ")
+            + counted(inverted_, "inverted quad") + area_sentence();
     if (fewest_ > 0)
         outcome_.summary += "; " + std::to_string(r_.count)
                           + " were wished, and these loops and marked vertices need about " + std::to_string(fewest_);
@@ -89,6 +92,11 @@ void Run::report() {
     }
     if (kind_ == LOOPS_EVEN) outcome_.summary += "\n" + design_sentence();
     else if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
+}
+
+size_t Run::solved_count() const {
+    return static_cast<size_t>(
+        std::count_if(components_.begin(), components_.end(), [](const Component& c) { return !c.is_refused(); }));
 }
 
 // Where quads lie upon others, or do not reach everywhere.
@@ -126,6 +134,8 @@ Json Run::report_json(double seconds) const {
         report.set("repairs", repairs);
     }
     if (!warnings_.empty()) report.set("warnings", warnings_);
+    report.set("components_solved", solved_count());
+    if (!outcome_.notes.empty()) report.set("notes", outcome_.notes);
     if (is_alone()) {
         const Json own = components_[0].json(singular_[0]);
         for (const auto& [key, value] : own.members()) report.set(key, value);
@@ -147,6 +157,7 @@ Json Run::report_json(double seconds) const {
     }
     if (quads_ > 0) {
         report.set("quads", quads_);
+        report.set("quads_components", quad_meshes_.size());
         report.set("quads_irregular", irregular_);
         report.set("quads_inverted", inverted_);
         report.set("quads_area_ratio", quad_area_ / covered_area_);

@@ -64,7 +64,7 @@ struct Outcome {
     ExitStatus exit_status = EXIT_SOLVED;
     std::string summary;             // one line, and one of the vertices that were marked
     bool uses_stdout = false;        // for an output
-    std::vector<std::string> notes;  // a sentence each: components without a foliation
+    std::vector<std::string> notes;  // a sentence each: components without a result
     std::vector<std::string> errors; // a sentence each: the limit that ended it, outputs that could not be made
 };
 

@@ -71,12 +71,21 @@ double square_distance(const double* a, const double* b) {
     return sum;
 }
 
-std::string glb_of(const Components& components, uint64_t vertices, uint64_t quads) {
+std::string glb_of(const std::string& path, const Components& components, uint64_t vertices, uint64_t quads) {
     std::string binary;
     FloatFrame frame;
     for (const Owned<hmf_quad_mesh>& mesh : components)
         for (uint64_t v = 0; v < mesh->vertex_count; ++v) frame.add(mesh->positions + 3 * v);
     const Place origin = frame.origin();
+    size_t joined = 0;
+    each_quad(components, [&](const uint64_t*, const hmf_quad_mesh& mesh, const uint32_t* own) {
+        for (size_t c = 0; c < 4; ++c) {
+            const uint32_t a = own[c], b = own[(c + 1) % 4];
+            // Each side lies at two quads.
+            joined += a < b && frame.joins(mesh.positions + size_t{3} * a, mesh.positions + size_t{3} * b);
+        }
+    });
+    warn_of_joined(path, joined);
     float low[3], high[3];
     bool first = true;
     for (const Owned<hmf_quad_mesh>& mesh : components)
@@ -146,7 +155,7 @@ void write_quads(const std::string& path, const Components& components) {
     std::FILE* const file = output.file();
     if (extension == ".ply" || extension == ".glb") {
         const std::string bytes =
-            extension == ".ply" ? ply_of(components, vertices, quads) : glb_of(components, vertices, quads);
+            extension == ".ply" ? ply_of(components, vertices, quads) : glb_of(path, components, vertices, quads);
         std::fwrite(bytes.data(), 1, bytes.size(), file);
     } else if (extension == ".off") {
         std::fprintf(file, "OFF\n%llu %llu 0\n", static_cast<unsigned long long>(vertices),

@@ -142,6 +142,11 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
     FloatFrame frame;
     for (size_t v = 0; v < f.positions.size(); v += 3) frame.add(&f.positions[v]);
     const Place origin = frame.origin();
+    size_t joined = 0;
+    for (size_t e = 0; e < f.edge_vertices.size(); e += 2)
+        joined +=
+            frame.joins(&f.positions[size_t{3} * f.edge_vertices[e]], &f.positions[size_t{3} * f.edge_vertices[e + 1]]);
+    warn_of_joined(path, joined);
     size_t begin = binary.size();
     float low[3] = {}, high[3] = {};
     for (size_t n = 0; n < points.corner.size(); ++n)

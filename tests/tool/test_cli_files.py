@@ -216,6 +216,12 @@ class Far(Case):
         self.assertNotIn(b"translation", self.read("near.glb"))
         self.assertIn(b"translation", self.read("o.glb"))
 
+    def test_edges_that_floats_lose_are_said(self):
+        points, (a, b, _) = [(x + 5, y + 6, z + 7) for x, y, z in self.points], self.triangles[0]
+        points[b] = tuple(x + 1e-12 * (y - x) for x, y in zip(points[a], points[b]))
+        done = self.run_tool("solve", self.write("close.obj", obj_text(points, self.triangles)), "--textured", self.path("close.glb"))
+        self.assertIn("close.glb: 1 edge is too short for its single precision", done.stderr)
+
 
 class Formats(Case):
     def run_any(self, *arguments):

@@ -162,6 +162,17 @@ class Components(Case):
         # Alone they are an error.
         self.refused(3, "quads", self.write("flat.obj", obj_text(points[-3:], [(0, 1, 2), (0, 2, 1)])), outs[0], says=["No loops"])
 
+    def test_one_rule_for_the_exit_status(self):
+        """An output that one of two components cannot have is a note, also in the report; one that none can have is an error."""
+        points, triangles = self.small
+        huge = self.write("huge.obj", obj_text(*beside(self.small, ([tuple(1e9 * x for x in p) for p in points], triangles))))
+        done = self.run_tool("solve", huge, "--quads", self.path("q.obj"), "--size", "1", "--report", self.path("r.json"))
+        self.assertRegex(done.stderr, "component 1 .*There would be about")
+        report = json.loads(self.read("r.json"))
+        self.assertEqual([report[key] for key in ("exit_status", "errors", "components_solved", "quads_components")], [0, [], 2, 1])
+        self.assertIn("component 1", report["notes"][0])
+        self.refused(3, "solve", huge, "--quads", self.path("q.obj"), "--size", "1e-9", says=["component 0", "component 1"])
+
     def test_each_as_on_its_own(self):
         done = self.run_tool("solve", self.scene, "--marks", "none", "--values", self.path("v.csv"), "--values", self.path("v.npy"),
                              "--report", self.path("r.json"), "--history", self.path("h.csv"), "--conformality")

@@ -51,7 +51,7 @@ class Outputs(Case):
 
         report = json.loads(self.read("r.json").decode())
         self.assertEqual(set(report), {
-            "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "unevenness", "weights", "residual_max",
+            "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "unevenness", "weights", "residual_max", "components_solved",
             "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
             "class", "class_repeats", "class_seconds", "version", "input", "options", "exit_status", "errors", "cpu_seconds", "threads", "singularities"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1,
