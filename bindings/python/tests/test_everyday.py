@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import json
 import re
 import warnings
 from pathlib import Path
+from typing import Any
 
 import foliations
 import numpy as np
@@ -13,6 +15,7 @@ import pytest
 from conftest import Mesh
 from foliations import solve_row
 from foliations.errors import _WORDS, in_words
+from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -242,3 +245,68 @@ def test_results_print_a_summary(pretzel: Mesh) -> None:
     assert len(mesh) == len(mesh.quads) and f"{len(mesh)} quads" in repr(mesh)
     for result in results:
         assert inspect.getdoc(type(result)), type(result)
+
+
+# --- Shells, repairs, places far away -----------------------------------------
+
+
+def test_one_of_several_components(pretzel: Mesh, torus: Mesh) -> None:
+    points = np.vstack([torus[0] + 100, pretzel[0], [[9.0, 9, 9]]])
+    corners = np.vstack([torus[1], pretzel[1] + len(torus[0])])
+    with pytest.raises(foliations.MeshError, match='Use solve_components, or Hierarchy.*component="largest"'):
+        foliations.Hierarchy(points, corners)
+    largest = foliations.solve(points, corners, component="largest")
+    kept = largest.hierarchy.kept_vertices
+    assert kept is not None and np.array_equal(points[kept], pretzel[0])
+    assert np.array_equal(largest.values, foliations.solve(*pretzel).values)
+    assert foliations.Hierarchy(points, corners, component=0).genus == 1
+    assert foliations.Hierarchy(*pretzel, component="largest").kept_vertices is None
+    for wrong in (2, "smallest"):
+        with pytest.raises(ValueError, match="component is"):
+            foliations.Hierarchy(points, corners, component=wrong)  # type: ignore[arg-type]
+
+
+def test_repaired_meshes_are_meshes(torus: Mesh) -> None:
+    turned = torus[1].copy()
+    turned[5] = turned[5][::-1]
+    with pytest.raises(foliations.MeshError, match=r"repair\(mesh\) turns patches to one sense"):
+        foliations.Hierarchy(torus[0], turned)
+    assert foliations.Hierarchy(foliations.repair(torus[0], turned)).genus == 1
+
+
+def test_unused_vertices_are_dropped_from_designs_and_marks() -> None:
+    points = np.array([[9.0, 9, 9], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 3], [0, 0, -3]])
+    corners = np.array([[1, 3, 5], [3, 2, 5], [2, 4, 5], [4, 1, 5], [3, 1, 6], [2, 3, 6], [4, 2, 6], [1, 4, 6]])
+    marks, used = foliations.suggest_marks(points, corners), foliations.suggest_marks(points[1:], corners - 1)
+    assert np.array_equal(marks, used + 1)
+    with pytest.warns(foliations.MeshWarning, match="dropped 1 vertex"):
+        even = foliations.solve(points, corners, loops="even")
+    assert np.array_equal(even.values, foliations.solve(points[1:], corners - 1, loops="even").values)
+
+
+def test_glb_far_from_the_origin(torus: Mesh, tmp_path: Path) -> None:
+    def read(path: Path) -> tuple[NDArray[Any], NDArray[Any]]:
+        data = path.read_bytes()
+        size = int.from_bytes(data[12:16], "little")
+        document = json.loads(data[20 : 20 + size])
+        accessor = document["accessors"][document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+        part = document["bufferViews"][accessor["bufferView"]]
+        begin = 28 + size + part.get("byteOffset", 0)
+        points = np.frombuffer(data, np.float32, 3 * accessor["count"], begin).reshape(-1, 3)
+        return points.astype(float), np.array(document["nodes"][0].get("translation", [0, 0, 0]))
+
+    far = torus[0] + [4e6, 0, -7e6]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        foliations.solve(far, torus[1]).export(tmp_path / "far.glb")
+        foliations.solve(*torus).export(tmp_path / "near.glb")
+    points, translation = read(tmp_path / "far.glb")
+    distances = np.linalg.norm((points + translation)[:, None] - far[None], axis=2).min(axis=1)
+    assert distances.max() < 1e-6 * np.ptp(torus[0])
+    assert not read(tmp_path / "near.glb")[1].any()
+    # Two vertices so near to each other that single precision has one place for them.
+    close = torus[0].copy()
+    a, b = torus[1][0][:2]
+    close[b] = close[a] + 1e-12 * (close[b] - close[a])
+    with pytest.warns(foliations.MeshWarning, match="1 edge is too short for the single precision of GLB"):
+        foliations.solve(close, torus[1]).export(tmp_path / "close.glb")

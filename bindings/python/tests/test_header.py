@@ -99,7 +99,7 @@ def test_options_are_keywords() -> None:
     build = set(inspect.signature(foliations.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(foliations.Hierarchy.solve).parameters)
     both = set(inspect.signature(foliations.solve).parameters)
-    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "closed", "progress"}
+    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "closed", "component", "progress"}
     start = {"self", "loops", "weights", "initial", "progress"}
     assert fields("hmf_solve_options") - hidden - {"start"} == solve - start
     assert (build | solve) - {"self"} == both

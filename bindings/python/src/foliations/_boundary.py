@@ -427,6 +427,11 @@ _FREE = {
 }
 
 
+def _title(name: str) -> str:
+    """Of a progress bar: what is done, not which function of the library does it."""
+    return name.replace("hmf_", "foliations ").replace("_cut_system", "").replace("_", " ")
+
+
 def run(
     function: Any, *arguments: Any, progress: ProgressOption = None, accept: frozenset[int] = frozenset()
 ) -> Outcome:
@@ -440,7 +445,7 @@ def run(
     made = types[-2].item if types[-2].kind == "pointer" else types[-2]
     out = ffi.new(types[-2]) if made.kind == "pointer" else None
     passed = [*arguments, error] if out is None else [*arguments, out, error]
-    with progress_callback(progress, function.__name__.replace("hmf_", "foliations ").replace("_", " ")) as callback:
+    with progress_callback(progress, _title(function.__name__)) as callback:
         watch = Watch(callback)
         if _CONTROL in types:
             passed.insert(types.index(_CONTROL), watch.control())

@@ -204,7 +204,7 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", 'Use the loops "cut" or "pants"'),
     ("use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", 'use the loops "cut" or "pants"'),
     ("report->class_state", "report.class_state"),
-    ("Build each component of hmf_components on its own", "Give repair(mesh) or use solve_components"),
+    ("Build each component of hmf_components on its own", 'Use solve_components, or Hierarchy(mesh, component="largest")'),
     ("Use hmf_loops, or another mesh", "Use other loops, or another mesh"),
     ("; hmf_singularities lists them", "; Foliation.singularities() lists them"),
     ("Start from hmf_initialize or a result of hmf_solve", "Start from Hierarchy.initialize or a result of a solve"),
@@ -213,6 +213,14 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("with hmf_relax", "with Foliation.relax"),
     ("Give one of them, the other NULL", "Give one of them"),
 )
+# What repair() does about a mesh that is refused.
+_REPAIRS: dict[int, str] = {
+    Status.ERROR_MESH_REPEATED_VERTEX: "repair(mesh) drops such triangles.",
+    Status.ERROR_MESH_DEGENERATE: "mollify=1e-5 accepts such triangles.",
+    Status.ERROR_MESH_ORIENTATION: "repair(mesh) turns patches to one sense.",
+    Status.ERROR_MESH_NON_MANIFOLD_EDGE: "repair(mesh) drops duplicate triangles and takes sheets apart that touch there.",
+    Status.ERROR_MESH_NON_MANIFOLD_VERTEX: "repair(mesh) takes sheets apart that touch there.",
+}
 _FOREIGN = re.compile(r"hmf_|HMF_|NULL|struct_size|sizeof|->|position_stride|element_kind|_count\b")
 
 
@@ -221,6 +229,8 @@ def in_words(message: str, status: int) -> str:
     for library, package in _WORDS:
         message = message.replace(library, package)
     kept = [part for part in re.split(r"(?<=\.)\s+", message) if part and not _FOREIGN.search(part)]
+    if status in _REPAIRS and not any("mollify" in part for part in kept):
+        kept.append(_REPAIRS[status])
     return " ".join(kept) or Status(status).text.capitalize() + "."
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ._boundary import Floats, ProgressOption
 from ._texture import Pattern, default_period, texture
+from .errors import MeshWarning, warn
 
 if TYPE_CHECKING:
     from .foliation import Foliation, Singularities
@@ -245,17 +246,50 @@ def _normals(points: Floats, triangles: NDArray[Any]) -> Floats:
     return np.asarray(np.where(length > 0, result / np.where(length > 0, length, 1), [0.0, 0.0, 1.0]))
 
 
+_FAR = 16  # sizes of the box: four of the 24 bits of single precision
+
+
+def _origin(points: NDArray[Any]) -> NDArray[Any]:
+    """What the points of a GLB are relative to: 0, or the middle of a box that is far from there."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = low / 2 + high / 2
+    far = float(np.abs(middle).max()) / 2 > _FAR * float((high / 2 - low / 2).max())
+    return middle if far else np.zeros(3)
+
+
+def _warn_of_lost_edges(target: Path, points: NDArray[Any], ends: NDArray[Any]) -> None:
+    """Points that single precision cannot tell apart."""
+    single = points.astype(np.float32)
+    a, b = ends[:, 0], ends[:, 1]
+    lost = (single[a] == single[b]).all(axis=1) & (points[a] != points[b]).any(axis=1)
+    count = len(np.unique(np.sort(ends[lost], axis=1), axis=0))
+    if count:
+        edges = "1 edge is" if count == 1 else f"{count} edges are"
+        warn(
+            f"{target}: {edges} too short for the single precision of GLB, which loses the shape there; "
+            ".ply, .obj and .vtp have double precision.",
+            MeshWarning,
+        )
+
+
+def _sides(triangles: NDArray[Any]) -> NDArray[Any]:
+    return np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+
+
 def _write_glb(target: Path, drawing: Drawing) -> None:
     binary = _Binary()
     points, faces = drawing.points, drawing.faces
     if len(points) == 0:
         raise ValueError(f"{target}: nothing to write.")
+    origin = _origin(points)
+    points = points - origin
     material: dict[str, Any] = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.7}}
     material["doubleSided"] = True
     document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "foliations"}, "materials": [material]}
     attributes: dict[str, int] = {}
     if faces is not None:
         triangles = faces if faces.shape[1] == 3 else faces[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+        _warn_of_lost_edges(target, points, _sides(triangles))
         normals = _normals(points, triangles)
         if drawing.corner_uv is not None:
             source, uv, triangles = drawing.split()
@@ -270,13 +304,16 @@ def _write_glb(target: Path, drawing: Drawing) -> None:
         attributes["NORMAL"] = binary.accessor(normals)
         mode, indices = _TRIANGLES, triangles.reshape(-1)
     elif drawing.lines:
-        mode, indices = _LINES, _segments(drawing).reshape(-1)
+        segments = _segments(drawing)
+        _warn_of_lost_edges(target, points, segments)
+        mode, indices = _LINES, segments.reshape(-1)
     else:
         mode, indices = _POINTS, np.arange(len(points))
     attributes["POSITION"] = binary.accessor(points, bounds=True)
     primitive = {"attributes": attributes, "indices": binary.accessor(indices, indices=True)}
     document["meshes"] = [{"primitives": [primitive | {"mode": mode, "material": 0}]}]
-    document.update(nodes=[{"mesh": 0}], scenes=[{"nodes": [0]}], scene=0)
+    node: dict[str, Any] = {"mesh": 0} | ({"translation": origin.tolist()} if origin.any() else {})
+    document.update(nodes=[node], scenes=[{"nodes": [0]}], scene=0)
     document.update(accessors=binary.accessors, bufferViews=binary.views, buffers=[{"byteLength": len(binary.data)}])
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
@@ -313,7 +350,7 @@ def export_foliation(
     path : file name
         ``.obj`` (with NAME.mtl and NAME_texture.png), ``.glb`` (one file with
         the texture in it), ``.ply`` or ``.vtp`` (with NAME_texture.png),
-        ``.off`` (the mesh alone).  GLB has single precision, the others double.
+        ``.off`` (the mesh alone).  GLB has single precision, relative to its node; the others double.
     pattern : "stripes" or "checkerboard"
         Of the texture: a stripe along leaves, or squares.
     period : float, optional

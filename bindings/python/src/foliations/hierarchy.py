@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
@@ -79,6 +79,34 @@ def _arrays(points: Floats, corners: Indices) -> tuple[Any, ...]:
 
 def _stride(points: Floats) -> int | None:
     return points.strides[0] if len(points) > 1 else None
+
+
+def _without_unused(points: Floats, corners: Indices) -> tuple[Floats, Indices, Indices]:
+    """The mesh without vertices that no triangle has, and the numbers that the others had."""
+    kept, numbers = np.unique(corners, return_inverse=True)
+    return np.ascontiguousarray(points[kept]), numbers.reshape(corners.shape).astype(np.uint32), kept.astype(np.uint32)
+
+
+def _take(
+    component: Literal["largest"] | int, points: Floats, corners: Indices, marks: MarksLike
+) -> tuple[Floats, Indices, MarksLike, Indices | None]:
+    """One component of a mesh, the marked vertices on it, and the numbers that its vertices had; None: the same."""
+    from .components import Components
+
+    if isinstance(component, str) and component != "largest":
+        raise ValueError(f'component is {component!r}; give "largest", or a number.')
+    given = not (marks is None or isinstance(marks, str))
+    parts = Components(points, corners, marked_vertices=_marks(marks) if given else None)  # type: ignore[arg-type]
+    number = int(np.bincount(parts.triangle_component).argmax()) if component == "largest" else int(component)
+    if not 0 <= number < len(parts):
+        raise ValueError(f"component is {component}; the mesh has {len(parts)}, counted from 0.")
+    part = parts[number]
+    kept = frozen(part.whole_vertices.copy()) if len(part.whole_vertices) < len(points) else None
+    return part.positions, part.triangles, part.marked_vertices if given else marks, kept
+
+
+def _is_unused(error: MeshError) -> bool:
+    return error.status == Status.ERROR_MESH_UNUSED_VERTEX
 
 
 class Level:
@@ -179,6 +207,9 @@ class Hierarchy:
         :func:`suggest_marks`, other meshes none; "suggest" requests them.  ``[]``: none.
     closed : bool
         True: a mesh with a boundary is refused.
+    component : "largest" or int, optional
+        Of a mesh of several components the one with the most triangles, or that of this number.  Default: such a
+        mesh is refused, see :func:`solve_components`.
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
@@ -211,9 +242,14 @@ class Hierarchy:
         mollify: float | None = None,
         marked_vertices: MarksLike = None,
         closed: bool = False,
+        component: Literal["largest"] | int | None = None,
         progress: ProgressOption = None,
     ) -> None:
         points, corners = _mesh(positions, triangles)
+        #: (n,) uint32: where vertices were left out, the numbers that the others had in the mesh that was given; else None.
+        self.kept_vertices: Indices | None = None
+        if component is not None:
+            points, corners, marked_vertices, self.kept_vertices = _take(component, points, corners, marked_vertices)
         limits: dict[str, Any] = {"memory_limit": memory_limit, "mollify": mollify}
         suggests = marked_vertices is None
         if isinstance(marked_vertices, str):
@@ -232,8 +268,6 @@ class Hierarchy:
             options = _build_options(**self._options, position_stride=_stride(points))
             return call(lib.hmf_build, *_arrays(points, corners), options, progress=progress)
 
-        #: (n,) uint32: where vertices without a triangle were dropped, the numbers that the others had; else None.
-        self.kept_vertices: Indices | None = None
         try:
             self._pointer = build()
         except MeshError as error:
@@ -249,7 +283,7 @@ class Hierarchy:
             self._look_at_boundaries(closed)
 
     def _drop_unused(self, points: Floats, corners: Indices) -> tuple[Floats, Indices]:
-        kept, numbers = np.unique(corners, return_inverse=True)
+        used, numbers, kept = _without_unused(points, corners)
         marks = self._options["marked_vertices"]
         if marks is not None:
             unknown = np.setdiff1d(marks, kept)
@@ -262,8 +296,8 @@ class Hierarchy:
             "without them, Hierarchy.kept_vertices has their numbers in the mesh that was given.",
             MeshWarning,
         )
-        self.kept_vertices = frozen(kept.astype(np.uint32))
-        return np.ascontiguousarray(points[kept]), numbers.reshape(corners.shape).astype(np.uint32)
+        self.kept_vertices = frozen(kept)
+        return used, numbers
 
     @property
     def boundaries(self) -> tuple[Indices, ...]:
@@ -529,12 +563,19 @@ def suggest_marks(
     result as ``marked_vertices``.  The same mesh gives the same marks.
     """
     points, corners = _mesh(positions, triangles)
-    made = call(
-        lib.hmf_suggest_marks,
-        *_arrays(points, corners),
-        _build_options(memory_limit=memory_limit, mollify=mollify, position_stride=_stride(points)),
-        progress=progress,
-    )
+    limits: dict[str, Any] = {"memory_limit": memory_limit, "mollify": mollify}
+    try:
+        made = call(
+            lib.hmf_suggest_marks,
+            *_arrays(points, corners),
+            _build_options(**limits, position_stride=_stride(points)),
+            progress=progress,
+        )
+    except MeshError as error:
+        if not _is_unused(error):
+            raise
+        points, corners, kept = _without_unused(points, corners)
+        return frozen(kept[suggest_marks(points, corners, memory_limit=memory_limit, mollify=mollify, progress=progress)])
     return view(made, made.vertices, made.count)
 
 
@@ -591,12 +632,29 @@ def even_design(
         marked_vertices=marks,
         position_stride=_stride(points),
     )
-    made = call(
-        lib.hmf_even_design,
-        *_arrays(points, corners),
-        structure("hmf_design_options", build=build, no_poles=int(no_poles), solve_limit=solve_limit),
-        progress=progress,
-    )
+    try:
+        made = call(
+            lib.hmf_even_design,
+            *_arrays(points, corners),
+            structure("hmf_design_options", build=build, no_poles=int(no_poles), solve_limit=solve_limit),
+            progress=progress,
+        )
+    except MeshError as error:
+        if not _is_unused(error):
+            raise
+        points, corners, kept = _without_unused(points, corners)
+        own = None if marks is None else np.searchsorted(kept, marks)  # those of no triangle were refused
+        design = even_design(
+            points,
+            corners,
+            marked_vertices=own,
+            no_poles=no_poles,
+            solve_limit=solve_limit,
+            memory_limit=memory_limit,
+            mollify=mollify,
+            progress=progress,
+        )
+        return replace(design, marked_vertices=frozen(kept[design.marked_vertices]))  # loops are of triangles
     return Design(
         view(made, made.marked_vertices, made.marked_count),
         Loops._of(made.loops, made),
@@ -635,6 +693,7 @@ def solve(
     mollify: float | None = None,
     marked_vertices: MarksLike = None,
     closed: bool = False,
+    component: Literal["largest"] | int | None = None,
     initial: Foliation | None = None,
     progress: ProgressOption = None,
     **options: Unpack[SolveOptions],
@@ -648,9 +707,13 @@ def solve(
     """
     with progress_callback(progress, "foliations") as callback:
         begin = 0.0
+        kept = None
         if isinstance(loops, str) and loops == "even":
             begin = _DESIGN_SHARE
             positions, triangles = _mesh(positions, triangles)
+            if component is not None:
+                positions, triangles, marked_vertices, kept = _take(component, positions, triangles, marked_vertices)
+                component = None
             design = even_design(
                 positions,
                 triangles,
@@ -670,8 +733,11 @@ def solve(
             mollify=mollify,
             marked_vertices=marked_vertices,
             closed=closed,
+            component=component,
             progress=part(callback, begin, begin + (1 - begin) * _BUILD_SHARE),
         )
+        if kept is not None:
+            hierarchy.kept_vertices = kept
         return hierarchy.solve(
             loops,
             weights,

@@ -48,6 +48,15 @@ class _PointsCells(Protocol):
     def cells_dict(self) -> Any: ...
 
 
+class _PositionsTriangles(Protocol):
+    """RepairedMesh, Component and Level of this package."""
+
+    @property
+    def positions(self) -> Any: ...
+    @property
+    def triangles(self) -> Any: ...
+
+
 class _PointsFaces(Protocol):
     """pyvista.PolyData."""
 
@@ -65,6 +74,7 @@ MeshLike = Union[
     _VerticesTriangles,
     _PointsCells,
     _PointsFaces,
+    _PositionsTriangles,
     "tuple[ArrayLike, ArrayLike]",
 ]
 
@@ -76,8 +86,8 @@ def as_mesh(mesh: MeshLike) -> tuple[Floats, Indices]:
     ----------
     mesh : file name, mesh object, or pair (positions, triangles)
         Files: see :func:`read_mesh`.  Objects: those of trimesh, meshio,
-        pyvista and Open3D, and whatever has ``vertices`` and ``faces`` as they
-        have.  Polygons become fans of triangles.
+        pyvista and Open3D, whatever has ``vertices`` and ``faces`` as they
+        have, and the result of :func:`repair`.  Polygons become fans of triangles.
 
     Raises
     ------
@@ -96,6 +106,8 @@ def _arrays(mesh: Any) -> tuple[Any, Any]:
     if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
         return mesh[0], mesh[1]
     kind = f"{type(mesh).__module__.partition('.')[0]}.{type(mesh).__name__}"
+    if hasattr(mesh, "positions") and hasattr(mesh, "triangles"):  # of this package
+        return mesh.positions, mesh.triangles
     if hasattr(mesh, "points") and hasattr(mesh, "cells_dict") and hasattr(mesh, "cells"):
         if not hasattr(mesh, "celltypes"):  # not an unstructured grid of pyvista
             return _points(mesh.points), _cells(mesh, kind)
