@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <thread>
 
 #include "children.hpp"
@@ -48,20 +47,35 @@ std::vector<std::string> meshes_in(const std::string& folder, std::map<std::stri
     return meshes;
 }
 
-// The meshes that have a line in the file; an incomplete last line is removed from it.
-std::set<std::string> done_in(const std::string& path) {
-    std::set<std::string> done;
+// Of the bytes of a mesh and the options: a line with another one is of what has changed since.
+std::string key_of(const std::string& mesh, const std::vector<std::string>& how) {
+    uint64_t hash = 0xcbf29ce484222325u; // FNV-1a
+    const auto add = [&](const std::string& text) {
+        for (const char c : text + '\0') hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+    };
+    for (const std::string& word : how) add(word);
+    try {
+        add(read_file(mesh));
+    } catch (const Failure&) {} // the solve says so
+    char text[20];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+
+// The meshes that the file has lines of, with the key of the last one; a last line that is cut off is removed from it.
+std::map<std::string, std::string> done_in(const std::string& path) {
+    std::map<std::string, std::string> done;
     std::error_code code;
     if (!std::filesystem::is_regular_file(path, code)) return done;
     const std::string text = read_file(path);
     size_t begin = 0, line = 1;
     for (size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1, ++line) {
         const Json row = parsed(std::string_view(text).substr(begin, end - begin));
-        const Json* const input = row.find("input");
+        const Json *const input = row.find("input"), *const key = row.find("batch");
         if (!input || !input->text())
             throw Failure(EXIT_BAD_INPUT,
                           path + ":" + std::to_string(line) + ": not a line of hmf batch; give another name to --out");
-        done.insert(*input->text());
+        done[*input->text()] = key && key->text() ? *key->text() : "";
     }
     if (begin < text.size()) std::filesystem::resize_file(path, begin, code);
     return done;
@@ -85,7 +99,9 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     Options options = {
         Option{"DIR", &folder, "", "folder of meshes"},
         Option{"--jobs", &jobs, "N", "number of meshes at a time"}.in("[1, 1024]"),
-        Option{"--out", &out, "FILE.ndjson", "one JSON report per line; meshes that already have a line are skipped"}
+        Option{"--out", &out, "FILE.ndjson",
+               "one JSON report per line; meshes that have a line and have not changed\n"
+               "are skipped"}
             .writes(".ndjson .jsonl"),
     };
     // Options of solve that say how, not what to write.
@@ -110,6 +126,10 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             how.push_back(flag ? options[i].name : std::string(options[i].name) + "=" + value);
         }
 
+    std::vector<std::string> asked = how; // that change results
+    asked.erase(std::remove_if(asked.begin(), asked.end(),
+                               [](const std::string& word) { return word.rfind("--threads=", 0) == 0; }),
+                asked.end());
     // The meshes at a time share the processors.
     if (unused.threads == 0) {
         const uint64_t processors = std::max(std::thread::hardware_concurrency(), 1u);
@@ -118,10 +138,17 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
 
     std::map<std::string, size_t> skipped;
     std::vector<std::string> meshes = meshes_in(folder, skipped);
-    const std::set<std::string> done = done_in(out);
+    const std::map<std::string, std::string> done = done_in(out);
     const size_t all = meshes.size();
-    meshes.erase(std::remove_if(meshes.begin(), meshes.end(), [&](const std::string& m) { return done.count(m) > 0; }),
-                 meshes.end());
+    std::map<std::string, std::string> keys;
+    for (const std::string& mesh : meshes) keys[mesh] = key_of(mesh, asked);
+    const auto is_done = [&](const std::string& mesh) {
+        const auto line = done.find(mesh);
+        return line != done.end() && line->second == keys[mesh];
+    };
+    const auto changed = static_cast<size_t>(std::count_if(
+        meshes.begin(), meshes.end(), [&](const std::string& m) { return done.count(m) > 0 && !is_done(m); }));
+    meshes.erase(std::remove_if(meshes.begin(), meshes.end(), is_done), meshes.end());
     check_writable(out);
     std::FILE* const file = std::fopen(out.c_str(), "ab");
     if (!file) throw Failure(EXIT_RESOURCES, out + ": cannot be written");
@@ -139,6 +166,7 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             // What was interrupted is tried again the next time, also what ended before it could listen.
             if (was_interrupted() && (!result.is_object() || status_in(result) == EXIT_LIMIT)) continue;
             if (!result.is_object()) result = parsed(report_of_failure(child.mesh, EXIT_RESOURCES, child.how));
+            result.set("batch", keys[child.mesh]);
             const std::string line = result.dump() + "\n";
             written =
                 std::fwrite(line.data(), 1, line.size(), file) == line.size() && std::fflush(file) == 0 && written;
@@ -156,6 +184,7 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     if (!written) throw Failure(EXIT_RESOURCES, out + ": cannot be written to the end; check the free space");
     std::string summary = counted(all, "mesh", "meshes") + ": " + std::to_string(count - before - failed) + " solved, "
                         + std::to_string(failed) + " not, " + std::to_string(before) + " had a line";
+    if (changed > 0) summary += "; " + std::to_string(changed) + " had one of another mesh or other options";
     for (const auto& [extension, files] : skipped)
         summary += "; skipped " + counted(files, "file") + " " + (extension.empty() ? "without extension" : extension);
     std::printf("%s\n", summary.c_str());

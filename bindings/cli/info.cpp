@@ -7,6 +7,7 @@
 
 #include "../readers/components.hpp"
 #include "../readers/json.hpp"
+#include "counted.hpp"
 #include "failure.hpp"
 #include "library.hpp"
 #include "marks.hpp"
@@ -136,7 +137,11 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
         if (found.status == HMF_OK) {
             row.set("genus", found.genus);
             line = "genus " + std::to_string(found.genus);
-            if (!found.marks.empty()) line += ", " + std::to_string(found.marks.size() / 2) + " tips to mark";
+            if (!found.marks.empty())
+                line += ", "
+                      + (found.boundaries == 0 ? counted(found.marks.size() / 2, "tip")
+                                               : counted(found.marks.size(), "vertex", "vertices"))
+                      + " to mark";
         } else {
             const std::string advice =
                 repair_advice(found.status, request.prepare.repairs, request.prepare.joins.has_value());

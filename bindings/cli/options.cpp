@@ -159,6 +159,20 @@ void check_file(const Option& o, const std::string& path) {
         refuse_usage(std::string(o.name) + ": \"" + path + "\" must end in " + joined(extensions));
 }
 
+// The options that write a file, or one beside theirs, each with its name.
+std::string writers_of(const Options& options, const std::string& path) {
+    std::vector<std::string> writers;
+    for (const Option& o : options)
+        for (const std::string& given : o.role == Option::OUTPUT ? o.given : std::vector<std::string>{}) {
+            if (given == path) writers.emplace_back(o.name);
+            for (const std::string& extension : beside(o, given))
+                if (with_extension(given, extension) == path) writers.push_back(std::string(o.name) + " " + given);
+        }
+    std::string text;
+    for (const std::string& writer : writers) text += (text.empty() ? "" : " and by ") + writer;
+    return text;
+}
+
 void check_files(const Options& options) {
     std::vector<std::string> inputs;
     for (const Option& o : options)
@@ -171,7 +185,7 @@ void check_files(const Options& options) {
     const std::vector<std::string> outputs = outputs_of(options);
     for (size_t i = 0; i < outputs.size(); ++i) {
         if (std::count(outputs.begin(), outputs.end(), outputs[i]) > 1)
-            refuse_usage(outputs[i] + ": is asked for by two options; give two names");
+            refuse_usage(outputs[i] + ": is written by " + writers_of(options, outputs[i]) + "; give two names");
         for (const std::string& input : inputs) {
             std::error_code code;
             if (outputs[i] != "-" && (outputs[i] == input || std::filesystem::equivalent(outputs[i], input, code)))

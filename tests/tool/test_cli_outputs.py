@@ -200,7 +200,7 @@ class Outputs(Case):
         self.pipe(self.read("loops.txt"), "solve", self.mesh, "--loops", "-")
         self.pipe(self.read("v.csv"), "solve", self.mesh, "--start", "-")
         self.assertIn(b"standard input", self.pipe(b"v 0 0 x\nf 1 2 3\n", "info", "-", status=3).stderr)
-        self.assertIn(b"two options", self.pipe(mesh, "solve", "-", "--values", "-", "--report", "-", status=2).stderr)
+        self.assertIn(b"--values and by --report", self.pipe(mesh, "solve", "-", "--values", "-", "--report", "-", status=2).stderr)
         self.assertIn(b"once", self.pipe(mesh, "solve", "-", "--loops", "-", status=2).stderr)
         self.assertIn(b"--obj", self.pipe(mesh, "solve", "-", "--obj", "-", status=2).stderr)
 
@@ -251,7 +251,7 @@ class Outputs(Case):
         self.assertEqual(self.read("a.glb")[:4], b"glTF")
         # Only an .obj has a picture beside it.
         self.run_tool("solve", self.mesh, "--atlas", self.path("b.glb"), "--loops", "cut", "--image", self.path("b.png"), "--image-size", "64x48")
-        self.refused(2, "solve", self.mesh, "--atlas", self.path("b.obj"), "--image", self.path("b.png"), says=["two options"])
+        self.refused(2, "solve", self.mesh, "--atlas", self.path("b.obj"), "--image", self.path("b.png"), says=["b.png: is written by ", "--image", " and by ", "--atlas %s" % self.path("b.obj")])
         self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
 
     def test_coordinates_beyond_floats(self):
