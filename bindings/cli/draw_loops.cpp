@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <queue>
 #include <sstream>
@@ -101,6 +102,45 @@ uint32_t nearest(const TriangleMesh& mesh, const Ways& ways, Vec place) {
     return best;
 }
 
+constexpr double NEAR = 0.05; // of the diagonal of the box: a place further from the surface is of another one
+
+double square(Vec a) { return dot(a, a); }
+
+// Of a place from a triangle, squared.
+double square_distance(Vec place, const Vec (&corners)[3]) {
+    const Vec normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    double least = 1e300;
+    bool inside = square(normal) > 0;
+    for (size_t k = 0; k < 3; ++k) {
+        const Vec side = corners[(k + 1) % 3] - corners[k], to = place - corners[k];
+        const double along = square(side) > 0 ? std::clamp(dot(to, side) / square(side), 0.0, 1.0) : 0;
+        least = std::min(least, square(to - along * side));
+        inside = inside && dot(cross(side, to), normal) > 0;
+    }
+    const double height = dot(place - corners[0], normal);
+    return inside ? height * height / square(normal) : least;
+}
+
+void refuse_if_far(const std::string& word, const TriangleMesh& mesh, const Ways& ways, Vec place) {
+    Vec low = ways.place(mesh.triangles[0]), high = low;
+    double least = 1e300;
+    for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+        const Vec corners[3] = {ways.place(mesh.triangles[t]), ways.place(mesh.triangles[t + 1]),
+                                ways.place(mesh.triangles[t + 2])};
+        least = std::min(least, square_distance(place, corners));
+        for (const Vec c : corners) {
+            low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
+            high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
+        }
+    }
+    const double limit = NEAR * length(high - low);
+    if (least <= limit * limit) return;
+    char text[120];
+    std::snprintf(text, sizeof text, " is %.3g from the surface, more than %.3g, a twentieth of the mesh; ",
+                  std::sqrt(least), limit);
+    refuse_points(word + text + "check its unit and axes, or give the number of a vertex");
+}
+
 uint32_t picked_vertex(const std::string& word, const TriangleMesh& mesh, const Ways& ways) {
     const char *at = word.data(), *const stop = at + word.size();
     if (std::count(word.begin(), word.end(), ',') == 0) {
@@ -124,6 +164,7 @@ uint32_t picked_vertex(const std::string& word, const TriangleMesh& mesh, const 
         x[count] = number;
     }
     if (count != 3) refuse_points("\"" + word + "\" is no place; give three numbers X,Y,Z without blanks");
+    refuse_if_far(word, mesh, ways, {x[0], x[1], x[2]});
     return nearest(mesh, ways, {x[0], x[1], x[2]});
 }
 

@@ -17,11 +17,10 @@ Option loops_option(SolveRequest& r) {
 }
 
 Option through_option(SolveRequest& r) {
-    return Option{
-        "--through", &r.through, "\"POINTS\"",
-        "instead of --loops: a loop of shortest edge paths through at least three points, in order, on all\n"
-        "sides of what it goes around; points are vertex indices from 0 or positions X,Y,Z near the surface,\n"
-        "separated by blanks; \";\" begins another loop"}
+    return Option{"--through", &r.through, "\"POINTS\"",
+                  "instead of --loops: a loop of shortest edge paths through at least three points, in order, on all\n"
+                  "sides of what it goes around; points are vertex indices from 0 or positions X,Y,Z, at most a\n"
+                  "twentieth of the mesh from it, separated by blanks; \";\" begins another loop"}
         .without("--loops --start");
 }
 

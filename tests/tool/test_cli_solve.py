@@ -177,6 +177,7 @@ class Solve(Case):
                              ("0 5 1,2,3,4", "no place"), ("0 5 10;0 1", "loop 1 has 2")):
             self.refused(2, "solve", self.mesh, "--through", picked, says=["--through", says])
         self.refused(3, "solve", self.mesh, "--through", "0 1 2", says=["--through, loop 0", "goes back the way it came"])
+        self.refused(2, "solve", self.mesh, "--through", "0 5 1e3,0,0", says=["--through: 1e3,0,0 is ", "from the surface", "unit and axes"])
         self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--loops", "cut", says=["--through", "--loops"])
         self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--weights", "1,2", says=["2 weights for 1 loop;"])
 

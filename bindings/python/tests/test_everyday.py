@@ -310,3 +310,28 @@ def test_glb_far_from_the_origin(torus: Mesh, tmp_path: Path) -> None:
     close[b] = close[a] + 1e-12 * (close[b] - close[a])
     with pytest.warns(foliations.MeshWarning, match="1 edge is too short for the single precision of GLB"):
         foliations.solve(close, torus[1]).export(tmp_path / "close.glb")
+
+
+# --- Picked points, previews ---------------------------------------------------
+
+
+def test_points_far_from_the_surface_are_refused(pretzel: Mesh) -> None:
+    hierarchy = foliations.Hierarchy(*pretzel)
+    picked = pretzel[0][pretzel[1][[0, 1000, 2000]]].mean(axis=1)  # in the middle of triangles
+    size = float(np.linalg.norm(np.ptp(pretzel[0], axis=0)))
+    foliations.Loops.through(hierarchy, picked, within=1e-9 * size)
+    raised = picked + [0, 0, 0.04 * size]
+    foliations.Loops.through(hierarchy, raised)
+    with pytest.raises(ValueError, match=r"point 0, .* from the surface, more than within=.*unit and axes"):
+        foliations.Loops.through(hierarchy, 1000 * picked)
+    with pytest.raises(ValueError, match="from the surface"):
+        foliations.Loops.through(hierarchy, raised, within=1e-9 * size)
+
+
+def test_a_preview_is_one_call(pretzel: Mesh) -> None:
+    hierarchy = foliations.Hierarchy(*pretzel)
+    preview = hierarchy.solve(stop_level=-1)
+    assert preview.level == len(hierarchy.levels) - 1 > 0 and preview.converged
+    assert np.array_equal(preview.values, hierarchy.solve(stop_level=preview.level).values)
+    with pytest.raises((ValueError, foliations.LevelError)):
+        hierarchy.solve(stop_level=-len(hierarchy.levels) - 1)

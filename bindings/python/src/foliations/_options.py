@@ -49,7 +49,7 @@ class SolveOptions(RelaxOptions, total=False):
     """The level to stop at.
 
     stop_level : int, optional
-        Finest level to solve; default 0, your mesh.
+        Finest level to solve; default 0, your mesh; -1, the coarsest, is a preview.
     """
 
     stop_level: int | None

@@ -483,9 +483,9 @@ class Hierarchy:
             Positive, the unit of the values; default those of the loops.
         initial : Foliation, optional
             Start from this foliation instead of loops, and keep its class.  It may
-        lie on another hierarchy of the same triangles, for example of the
-        previous frame of an animation.  If it is close to the minimum,
-        :meth:`Foliation.relax` is faster.
+            lie on another hierarchy of the same triangles, for example of the
+            previous frame of an animation.  All levels are solved, so that it takes
+            as long as from loops; see :meth:`Foliation.relax`.
         {options}
         progress : bool or function, optional
             As for :class:`Hierarchy`.  ``Progress.FINISH`` ends the solve with the best
@@ -513,6 +513,9 @@ class Hierarchy:
         chosen = self._loops_of(loops, kind, weights, options.get("method"))
         given, alive = loop_structure(chosen, weights)
         start = None if initial is None else initial._pointer
+        level = options.get("stop_level")
+        if level is not None and -len(self._levels) <= level < 0:  # from the coarsest, as in a list
+            options["stop_level"] = len(self._levels) + level
         settings = solve_options(options, start=start)
         if alive is None and start is None:
             outcome = run(lib.hmf_solve_cut_system, self._pointer, settings, progress=progress, accept=STOPPED)

@@ -111,6 +111,7 @@ class Loops(Sequence[Indices]):
         *picked: ArrayLike,
         crossing: Loops | None = None,
         weights: ArrayLike | None = None,
+        within: float | None = None,
     ) -> Loops:
         """Loops through picked vertices or points: the shortest path along edges to each next one, and back.
 
@@ -127,12 +128,15 @@ class Loops(Sequence[Indices]):
             without any it is the shortest of all.
         weights : (number of loops,) floats, optional
             As for :class:`Loops`.
+        within : float, optional
+            Points further from the surface are refused, in the unit of the positions; default a twentieth of the
+            diagonal of its box.
         """
         mesh = hierarchy.levels[0]
         graph = _Graph(mesh, _crossed(hierarchy, crossing))
         paths = []
         for given in picked:
-            stops = _open(_nearest(mesh.positions, given)).tolist()
+            stops = _open(_nearest(mesh, given, within)).tolist()
             if not stops or (len(stops) < 3 and crossing is None):
                 raise ValueError(f"pick at least three vertices for a loop, got {len(stops)}.")
             if max(stops) >= mesh.vertex_count:
@@ -303,7 +307,24 @@ def _open(path: Indices) -> Indices:
     return path[:-1] if len(path) > 1 and path[0] == path[-1] else path
 
 
-def _nearest(positions: Floats, picked: ArrayLike) -> Indices:
+_NEAR = 0.05  # of the diagonal of the box: points further from the surface are of another one
+
+
+def _distance(point: Floats, corners: Floats) -> float:
+    """Of a point from triangles (m, 3, 3)."""
+    a, sides = corners, np.roll(corners, -1, axis=1) - corners
+    along = np.einsum("mik,mik->mi", point - a, sides) / np.maximum(np.einsum("mik,mik->mi", sides, sides), 1e-300)
+    off = point - a - np.clip(along, 0, 1)[:, :, None] * sides
+    least = np.einsum("mik,mik->mi", off, off).min(axis=1)
+    normal = np.cross(sides[:, 0], sides[:, 1])
+    size = np.einsum("mk,mk->m", normal, normal)
+    turns = np.einsum("mik,mk->mi", np.cross(sides, point - a), normal)
+    inside = (turns > 0).all(axis=1) & (size > 0)
+    height = np.einsum("mk,mk->m", point - a[:, 0], normal) ** 2 / np.where(size > 0, size, 1)
+    return float(np.sqrt(np.where(inside, height, least).min()))
+
+
+def _nearest(mesh: Level, picked: ArrayLike, within: float | None) -> Indices:
     """Vertices as they are; of points (n, 3) the nearest vertices."""
     given = np.asarray(picked)
     if given.ndim != 2:
@@ -311,6 +332,16 @@ def _nearest(positions: Floats, picked: ArrayLike) -> Indices:
     points = as_positions(picked, "picked points")
     if not np.isfinite(points).all():
         raise ValueError("picked points must be finite.")
+    positions = mesh.positions
+    limit = _NEAR * float(np.linalg.norm(np.ptp(positions, axis=0))) if within is None else float(within)
+    corners = positions[mesh.triangles]
+    for number, point in enumerate(points):
+        distance = _distance(point, corners)
+        if not distance <= limit:
+            raise ValueError(
+                f"point {number}, {point.tolist()}, is {distance:.3g} from the surface, more than within={limit:.3g}. "
+                "Check its unit and axes, or give a larger distance within."
+            )
     nearest = [np.square(positions - point).sum(axis=1).argmin() for point in points]
     return np.array(nearest, dtype=np.uint32)
 
