@@ -14,7 +14,7 @@
 #include <thread>
 
 struct hmf_pool {
-    static constexpr uint32_t most = 256;
+    static constexpr uint32_t MOST = 256;
 
     std::mutex busy;  // held during a job
     std::mutex mutex; // of what follows
@@ -28,7 +28,7 @@ struct hmf_pool {
     uint32_t count = 0;
     std::atomic<uint32_t> next{0};
     uint32_t started = 0;
-    std::thread thread[most];
+    std::thread thread[MOST];
 
     // Takes tasks until none is left.
     void take() {
@@ -83,7 +83,7 @@ hmf_pool* hmf_pool_create(uint32_t threads) {
     hmf_pool* const pool = new (std::nothrow) hmf_pool;
     if (!pool) return nullptr;
     if (threads == 0) threads = std::thread::hardware_concurrency();
-    if (threads > hmf_pool::most) threads = hmf_pool::most;
+    if (threads > hmf_pool::MOST) threads = hmf_pool::MOST;
     while (pool->started + 1 < threads) {
         try {
             pool->thread[pool->started] = std::thread([pool] { pool->work(); });

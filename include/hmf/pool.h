@@ -1,9 +1,9 @@
 /*
- * hmf/pool.h - a pool of threads for hmf_control
+ * hmf/pool.h - a thread pool for hmf_control
  *
- * The library hmf starts no thread; a host with a pool of its own gives that
- * (see hmf_parallel_for_fn in hmf.h).  For the others this one lies in a library
- * beside it, hmf_pool, on the threads of the C++ standard library:
+ * The library hmf never creates threads.  If your program has a pool, pass it (see
+ * hmf_parallel_for_fn in hmf.h).  If not, use this one.  It is a library of its own,
+ * hmf_pool, on the threads of the C++ standard library:
  *
  *     hmf_pool *pool = hmf_pool_create(0);
  *     hmf_control control = {sizeof control};
@@ -22,24 +22,24 @@
 extern "C" {
 #endif
 
-/* Threads that wait for tasks. */
+/* A thread pool. */
 typedef struct hmf_pool hmf_pool;
 
-/* A pool of so many threads, the calling one of each hmf_pool_run included:
-   1 starts none.  0 = one for each processor; at most 256.  Fewer where the
-   system gives no more.  NULL: no memory, which every function here takes as a
-   pool of 1. */
+/* Creates a pool.  threads includes the thread that calls hmf_pool_run; 1 creates none,
+   0 = one thread per processor, at most 256.  The pool is smaller if the system provides
+   fewer threads.  Returns NULL without memory; every function here takes NULL as a pool
+   of one thread. */
 HMF_API hmf_pool *hmf_pool_create(uint32_t threads);
 
-/* Ends the threads; no call may use the pool any more.  NULL is allowed. */
+/* Ends the threads.  No call may use the pool during or after this.  NULL is allowed. */
 HMF_API void hmf_pool_destroy(hmf_pool *pool);
 
-/* The number of threads, the calling one included; 1 for NULL. */
+/* Returns the number of threads, including the calling one; 1 for NULL. */
 HMF_API uint32_t hmf_pool_threads(const hmf_pool *pool);
 
-/* An hmf_parallel_for_fn; user is a pool or NULL.  Any number of threads may
-   call it at the same time: the tasks of one call at a time are shared, those
-   of the others run on the threads that call. */
+/* An hmf_parallel_for_fn; user is a pool or NULL.  Any number of threads may call it at the
+   same time: one call at a time uses the threads of the pool, the tasks of the others run
+   on the threads that call. */
 HMF_API void hmf_pool_run(void *pool, hmf_task_fn task, void *context, uint32_t count);
 
 #ifdef __cplusplus

@@ -15,12 +15,12 @@
 namespace hmf {
 inline namespace cpp {
 
-/* Threads for all calls that the thread which made the object makes while it
-   lives.  Another thread that is to use them makes
-   Threads(hmf_pool_run, pool.get(), pool.size()) of its own. */
+/* A thread pool.  While the object lives, all calls of the thread that created it use
+   the pool.  Another thread uses it through an object of its own,
+   Threads(hmf_pool_run, pool.get(), pool.size()). */
 class Pool {
 public:
-    /* So many threads, the calling one included; 0 = one for each processor. */
+    /* threads: including the calling one; 0 = one per processor. */
     explicit Pool(uint32_t threads = 0) :
         pool_(hmf_pool_create(threads)), lent_(hmf_pool_run, pool_.get(), hmf_pool_threads(pool_.get())) {}
 

@@ -2,10 +2,10 @@
 /**
  * hmf - harmonic measured foliations on closed triangle meshes.
  *
- * All arrays that the library returns are copies that belong to the caller;
- * all arrays that it is given are copied and stay as they are.  All calls are
- * synchronous: in a page, make them in a Worker (examples/worker.js).  Each call
- * that can be long takes a progress function, by which it can be cancelled.
+ * Arrays that the library returns are copies that belong to the caller. Arrays that you pass are copied and
+ * never changed.  All calls are
+ * synchronous: in a page, make them in a Worker (examples/worker.js).  Calls that can take long accept a
+ * progress function, which can cancel them.
  */
 import type { BuildNumbers, SolveNumbers } from "../dist/options.js";
 
@@ -35,19 +35,19 @@ export interface Hmf {
     /** The connected components of a mesh, each with numbers of its own.  A defect of one is its status, not an error. */
     components(positions: Numbers, triangles: Numbers, options?: BuildOptions): Components;
     /**
-     * One foliation over all components of a mesh: each is built and solved on its own.  What is wrong
-     * with one, or with its loops, is said in its row.
+     * One foliation over all components of a mesh: each is built and solved on its own. Errors of a component
+     * or its loops are in its row.
      */
     solveComponents(positions: Numbers, triangles: Numbers, options?: SolveComponentsOptions): ComponentSolutions;
     /**
-     * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
-     * each limb, so that loops go around the limbs, at least four and at most 24.
-     * None for genus 1 and more.  Of several components each gets its own.
+     * Chooses marked vertices for a mesh of genus 0: two at the tip of each limb (a protrusion), so that
+     * loops can go around it, 4 to 24 in all. None for genus 1 and more. Each of several components gets its
+     * own.
      */
     suggestMarks(positions: Numbers, triangles: Numbers, options?: BuildOptions): Uint32Array;
     /**
-     * Marked vertices, loops and weights for which stripes and quads are about equally
-     * wide everywhere: for `new Hierarchy(.., { markedVertices })` and `solve({ loops })`.
+     * Chooses marked vertices, loops and weights with a nearly constant scale, so that stripes and quads have
+     * nearly equal width: for `new Hierarchy(.., { markedVertices })` and `solve({ loops })`.
      */
     evenDesign(positions: Numbers, triangles: Numbers, options?: DesignOptions): Design;
     /** A short English text for any status. */
@@ -58,9 +58,9 @@ export interface Hmf {
     readonly memory: { readonly inUse: number; readonly size: number };
 }
 
-/** As for a hierarchy (also as `build` in C); its marked vertices are part of every design. */
+/** As for a hierarchy (also as `build` in C); its marked vertices become part of the design. */
 export interface DesignOptions extends BuildOptions {
-    /** No other marked vertices, where that can be. */
+    /** Marks no other vertices, if possible. */
     noPoles?: boolean;
     /** Budget of the search in solves of a coarse mesh; default: about ten solves of the whole mesh. */
     solveLimit?: number;
@@ -72,15 +72,14 @@ export interface Design {
     loops: LoopSet;
     /** On the coarse mesh of the search. */
     unevenness: number;
-    /** There, of default loops with weights 1. */
+    /** The same, of default loops with weights 1. */
     unevennessBefore: number;
     solves: number;
 }
 
 /**
- * What a callback wants: nothing or "continue"; "cancel" ends the call;
- * "finish" ends the improvement, and the foliation reached so far is carried to
- * the asked level and returned.  All calls but `solve` and `relax` treat it as
+ * Answer of a callback: nothing or "continue"; "cancel" ends the call; "finish" ends a solve with the best
+ * foliation so far, carried to the requested level. Calls other than `solve` and `relax` treat it as
  * "cancel".
  */
 export type ProgressAnswer = void | "continue" | "cancel" | "finish";
@@ -100,9 +99,9 @@ export interface BuildOptions extends ProgressOptions, BuildNumbers {
     /** Which edges are collapsed, and to which point; default "midpoint". */
     collapse?: "default" | "midpoint" | "endpoint" | "qslim";
     /**
-     * Vertices that may carry a pole; a sphere needs four or more.  They never move
-     * and are no poles of the report.  Default, for spheres and disks, and "suggest":
-     * those of `suggestMarks`; `[]`: none.
+     * Vertices that may be poles; a sphere needs at least four. They never move, and the report does not
+     * count them as poles. By default spheres and disks get those of `suggestMarks`; "suggest" requests them
+     * for any mesh; `[]`: none.
      */
     markedVertices?: Numbers | "suggest";
 }
@@ -119,13 +118,13 @@ export interface HierarchyOptions extends BuildOptions, WarnOptions {
 
 /** One component of a mesh, with numbers of its own. */
 export interface Component {
-    /** 0; that of HMF_ERROR_MESH_GENUS if it carries no foliation; else its defect. */
+    /** 0; HMF_ERROR_MESH_GENUS if it carries no foliation; otherwise its defect. */
     readonly status: number;
     readonly statusName: string;
     /** What the defect is about, by its number in the whole mesh. */
     readonly element: "vertex" | "edge" | "triangle" | "loop" | "level" | "option" | null;
     readonly index: number;
-    /** This and the next: 0 where the status is a defect. */
+    /** 0 if the status is a defect, like `boundaryCount`. */
     readonly genus: number;
     readonly boundaryCount: number;
     /** For `new Hierarchy`, like the next two. */
@@ -155,11 +154,11 @@ export interface Components {
     readonly trianglePart: Uint32Array;
 }
 
-/** Loops are of the whole mesh, on its level 0; a component without any gets no foliation.  Default: those of the library. */
+/** Loops lie on level 0 of the whole mesh; a component without loops gets no foliation. By default the library chooses loops. */
 export interface SolveComponentsOptions extends BuildOptions, WarnOptions, Omit<SolveOptions, "start" | "stopLevel"> {}
 
 export interface ComponentSolution extends Component {
-    /** Why there is no report, or why the solve was stopped; else empty. */
+    /** Why there is no report, or why the solve stopped early; otherwise empty. */
     readonly message: string;
     readonly report: Report | null;
 }
@@ -180,15 +179,15 @@ export interface ComponentSolutions {
  */
 export interface Hierarchy extends Disposable {
     readonly genus: number;
-    /** Number of closed curves that the boundary consists of. */
+    /** Number of boundary curves. */
     readonly boundaryCount: number;
     /** The vertices of each boundary curve, in their order along it. */
     boundaries(): Uint32Array[];
     /** The marked vertices that were given or suggested. */
     readonly markedVertices: Uint32Array;
     /**
-     * Vertices without a triangle are dropped, and the others numbered without them:
-     * the numbers that these had.  null: none was dropped.
+     * Unused vertices are dropped and the others renumbered; these are the original numbers of the others.
+     * null: none was dropped.
      */
     readonly keptVertices: Uint32Array | null;
     /** What `warn` was called with. */
@@ -198,11 +197,11 @@ export interface Hierarchy extends Disposable {
     readonly memoryBytes: number;
     readonly disposed: boolean;
 
-    /** Loops made by the library; default: a cut system on the coarsest level. */
+    /** Chooses loops; default: a cut system on the coarsest level. */
     loops(options?: LoopsOptions): LoopSet;
     /** The closed initial foliation of loops on their level; default: of `loops()`. */
     initialize(loops: LoopSet, options?: ProgressOptions): Foliation;
-    /** The harmonic foliation in the class of the loops.  Limits are no exceptions: see `report.status`. */
+    /** The harmonic foliation in the class of the loops.  Limits do not throw: see `report.status`. */
     solve(options?: SolveOptions): Foliation;
     /**
      * A foliation of values, one for each edge of a level (default 0): results of
@@ -216,7 +215,7 @@ export interface Hierarchy extends Disposable {
 
 export interface LoopsOptions extends ProgressOptions {
     kind?: LoopsKind;
-    /** Default 0, the mesh of the caller; on the coarsest they are found fastest. */
+    /** Default 0, your mesh; the search is fastest on the coarsest. */
     level?: number;
 }
 
@@ -229,7 +228,7 @@ export interface Level {
     readonly vertexCount: number;
     readonly edgeCount: number;
     readonly triangleCount: number;
-    /** Edges whose weight was below the floor and was raised to it. */
+    /** Edges whose weight was below the lower bound and was set to it. */
     readonly raisedCount: number;
     /** Two vertices for each edge.  Level 0 numbers edges by their first appearance in the triangles. */
     edgeVertices(): Uint32Array;
@@ -244,10 +243,10 @@ export interface Level {
 }
 
 /**
- * "cut": genus many loops that together cut the surface into one planar piece, on
- * a sphere around pairs of marked vertices;
- * "handle", "tunnel": the same, but bounding inside, or outside, the surface,
- * which must not meet itself; "pants": 3 genus - 3 + marked vertices loops (genus 1
+ * "cut": genus loops that together cut the surface into one planar piece; on a sphere around pairs of marked
+ * vertices;
+ * "handle", "tunnel": the same, and each loop bounds a surface inside or outside the solid, which must not
+ * intersect itself; "pants": 3 genus - 3 + marked vertices loops (genus 1
  * without those: one) that cut it into pairs of pants.
  */
 export type LoopsKind = "cut" | "handle" | "tunnel" | "pants";
@@ -279,8 +278,8 @@ export interface SolveOptions extends OptimizeOptions, Pick<SolveNumbers, "stopL
     loops?: LoopSet | LoopsKind | "even";
     /**
      * A foliation to start from, whose class is then that of the result, instead
-     * of loops: of this hierarchy, or on level 0 of one with the same triangles
-     * at other positions (the last frame of an animation).
+     * of loops: of this hierarchy, or on level 0 of one with the same triangles at other positions (the
+     * previous frame of an animation).
      */
     start?: Foliation;
 }
@@ -297,20 +296,20 @@ export interface Foliation extends Disposable {
     readonly values: Float64Array;
     /** The power of two that all values are multiples of. */
     readonly unit: number;
-    /** Held by it, without its hierarchy; more once it was parameterized, say. */
+    /** Bytes held by the foliation, without its hierarchy; grows once, at the first `parameterize`, `quads` or `trace`. */
     readonly memoryBytes: number;
-    /** Of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
+    /** Report of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
     readonly report: Report | null;
     readonly disposed: boolean;
     /** Carried exactly to any other level, finer or coarser. */
     interpolate(level: number, options?: ProgressOptions): Foliation;
-    /** Optimized on its level; this foliation stays as it is. */
+    /** Solves on the level of this foliation, starting from it; returns a new foliation. */
     relax(options?: OptimizeOptions): Foliation;
     /** Dirichlet energy. */
     energy(options?: ProgressOptions): number;
-    /** Violation of harmonicity at each vertex; 0 everywhere means: this is the unique minimum. */
+    /** Violation of harmonicity at each vertex; if all are 0, this is the unique minimum. */
     residuals(options?: ProgressOptions): Float64Array;
-    /** Natural logarithm of the length of the gradient on each triangle: by how much a conformal (u, v) stretches there. */
+    /** Natural logarithm of the length of the gradient on each triangle: the local scale of a conformal (u, v). */
     conformalScale(options?: ProgressOptions): Float64Array;
     /** Standard deviation of `conformalScale` over the surface; 0: the same scale everywhere. */
     unevenness(options?: ProgressOptions): number;
@@ -327,7 +326,7 @@ export interface Foliation extends Disposable {
     cylinders(options?: CylinderOptions): Cylinders;
     /** A closed quad mesh along the leaves. */
     quads(options?: QuadOptions): QuadMesh;
-    /** Charts without overlap in the unit square, for painting and baking.  Few and even ones come from `evenDesign`. */
+    /** Charts without overlap in the unit square, for painting and baking.  `evenDesign` gives fewer and larger ones. */
     atlas(options?: AtlasOptions): Atlas;
     /** Frees the memory; calling it again does nothing. */
     dispose(): void;
@@ -338,15 +337,15 @@ export interface CylinderOptions extends ProgressOptions {
 }
 
 export interface QuadOptions extends ProgressOptions {
-    /** Wished mean length of an edge, in the unit of the positions; default: about half as many quads as triangles. */
+    /** Target for the mean edge length, in the unit of the positions; default: about half as many quads as triangles. */
     edgeLength?: number;
-    /** Wished number of quads instead; the result is as near as the grids allow. */
+    /** Target number of quads instead; met as closely as the grids allow. */
     count?: number;
     /** A critical leaf shorter than half an edge gets no quad, and its zeros become one vertex. */
     merge?: boolean;
     /** A pole stays a vertex with two edges; else one quad lies over it, between two vertices with 3. */
     keepPoles?: boolean;
-    /** Steps in which vertices move on the surface to even out angles and sides; default: none. */
+    /** Rounds that move vertices on the surface to improve angles and sides; default: none. */
     relax?: number;
 }
 
@@ -360,11 +359,11 @@ export interface QuadMesh {
     positions: Float64Array;
     /** Four vertices a, b, c, d for each quad; the sides a-d and b-c lie on leaves. */
     quads: Uint32Array;
-    /** Vertices with another number of edges than 4. */
+    /** Vertices that do not have 4 edges. */
     irregularCount: number;
     /** Quads with a corner of 0, or of 180 degrees or more, seen from outside the surface where they lie. */
     invertedCount: number;
-    /** Root of the area of the surface / number of quads. */
+    /** Square root of (area of the surface / number of quads). */
     edgeLength: number;
     /** Area of the quads / area of the surface. */
     areaRatio: number;
@@ -373,11 +372,11 @@ export interface QuadMesh {
 }
 
 export interface AtlasOptions extends ProgressOptions {
-    /** Least distance of two charts, as a part of the side of the square, at most 1/16; default 1/512. */
+    /** Least distance of two charts, as a fraction of the side of the square, at most 1/16; default 1/512. */
     margin?: number;
 }
 
-/** Every triangle belongs to one chart; charts are conformal, with areas in proportion to those in space. */
+/** Every triangle belongs to one chart; charts are conformal, with areas proportional to areas on the surface. */
 export interface Atlas {
     /** Two coordinates for each corner of each triangle. */
     cornerUv: Float64Array;

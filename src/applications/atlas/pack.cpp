@@ -10,7 +10,7 @@ namespace hmf {
 namespace {
 constexpr uint32_t ROUND = 300;                   // packings after which higher ones are accepted again
 constexpr uint32_t TRIES = 200, TRIES_EACH = 700; // of an atlas, and for each chart
-constexpr uint32_t none = 0xffffffffu;
+constexpr uint32_t NO_INTERVAL = 0xffffffffu;
 constexpr uint8_t ANY = 4;             // quarter turns: those with which a shape lies lowest
 constexpr uint64_t PACK_STRIDE = 4096; // steps between two reports
 } // namespace
@@ -124,7 +124,7 @@ bool Packer::lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, d
     const auto rise = [&](uint32_t j) {
         ++steps_;
         if (!(bottom[j] < top[j])) return true;
-        for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
+        for (uint32_t k = column_first_[x + j]; k != NO_INTERVAL; k = intervals_[k].next) {
             const Interval& i = intervals_[k];
             if (y + top[j] <= i.bottom) break;
             if (y + bottom[j] < i.top) y = i.top - bottom[j];
@@ -149,9 +149,9 @@ void Packer::occupy(const Profile& p, uint32_t x, double y) {
     const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
     for (uint32_t j = 0; j < p.columns; ++j) {
         if (!(bottom[j] < top[j])) continue;
-        uint32_t before = none;
+        uint32_t before = NO_INTERVAL;
         uint32_t* at = &column_first_[x + j];
-        while (*at != none && intervals_[*at].bottom < y + bottom[j]) {
+        while (*at != NO_INTERVAL && intervals_[*at].bottom < y + bottom[j]) {
             before = *at;
             at = &intervals_[before].next;
         }
@@ -160,31 +160,31 @@ void Packer::occupy(const Profile& p, uint32_t x, double y) {
         intervals_.add({y + bottom[j], y + top[j], next});
         // Room between two that is too narrow for every shape is no room: nothing but the length of the list changes.
         const auto join_with_next = [this](Interval& i) {
-            while (i.next != none && intervals_[i.next].bottom - i.top < narrowest_) {
+            while (i.next != NO_INTERVAL && intervals_[i.next].bottom - i.top < narrowest_) {
                 i.top = intervals_[i.next].top;
                 i.next = intervals_[i.next].next;
             }
         };
         join_with_next(intervals_.back());
-        if (before != none) join_with_next(intervals_[before]);
+        if (before != NO_INTERVAL) join_with_next(intervals_[before]);
     }
 }
 
 // The area of the boxes that do not fit into the square of this width; HUGE_VAL if it is more than `most`, or if the
 // call was cancelled.
 double Packer::let_down(const Arrangement& state, uint32_t width, double most, Place* places, Call& call) {
-    for (uint32_t j = 0; j < width; ++j) column_first_[j] = none;
+    for (uint32_t j = 0; j < width; ++j) column_first_[j] = NO_INTERVAL;
     intervals_.clear();
     double missing = 0;
-    missed_ = none;
+    missed_ = NO_INTERVAL;
     for (uint32_t k = 0; k < state.order.size(); ++k) {
         const uint32_t i = state.order[k];
         const bool is_free = state.turns[i] == ANY;
-        uint32_t turns = 0, best_x = none;
+        uint32_t turns = 0, best_x = NO_INTERVAL;
         double best_y = 0, best_top = column_ * width;
         for (uint32_t t = is_free ? 0 : state.turns[i]; t <= (is_free ? 3u : state.turns[i]); ++t) {
             const Profile& side = items_[i].side[t];
-            double limit = (best_x == none ? best_top : best_top - 1) - side.height, y = 0;
+            double limit = (best_x == NO_INTERVAL ? best_top : best_top - 1) - side.height, y = 0;
             uint32_t hint = 0;
             for (uint32_t x = 0; x + side.columns <= width && limit >= 0; ++x) {
                 if (steps_ - reported_ >= PACK_STRIDE) {
@@ -200,9 +200,9 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
             }
         }
         const Profile& p = items_[i].side[turns];
-        if (best_x == none) {
+        if (best_x == NO_INTERVAL) {
             missing += p.height * column_ * p.columns;
-            if (missed_ == none) missed_ = k;
+            if (missed_ == NO_INTERVAL) missed_ = k;
             if (missing > most) return HUGE_VAL;
             continue;
         }
@@ -302,7 +302,7 @@ void Packer::change(Arrangement& state, uint32_t missed) {
         return static_cast<uint32_t>((random_ >> 33) % limit);
     };
     const uint32_t n = count();
-    const uint32_t what = below(4), a = below(n), b = missed != none && below(2) ? missed : below(n);
+    const uint32_t what = below(4), a = below(n), b = missed != NO_INTERVAL && below(2) ? missed : below(n);
     if (what == 1) std::swap(state.order[a], state.order[b]);
     else if (what > 1) {
         const uint32_t item = state.order[b];

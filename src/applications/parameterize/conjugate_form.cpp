@@ -63,10 +63,10 @@ public:
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
             if (i % CONJUGATE_STRIDE == 0 && !call.tick(0)) return false;
-            if (size - i > 3 * Stars::ahead) {
-                prefetch(&charts_.stars.offset[order_[i + 3 * Stars::ahead]]);
-                prefetch(charts_.stars.of(order_[i + 2 * Stars::ahead]).begin());
-                for (const uint32_t h : charts_.stars.of(order_[i + Stars::ahead])) prefetch(&mesh_.origin[twin(h)]);
+            if (size - i > 3 * Stars::AHEAD) {
+                prefetch(&charts_.stars.offset[order_[i + 3 * Stars::AHEAD]]);
+                prefetch(charts_.stars.of(order_[i + 2 * Stars::AHEAD]).begin());
+                for (const uint32_t h : charts_.stars.of(order_[i + Stars::AHEAD])) prefetch(&mesh_.origin[twin(h)]);
             }
             for (const uint32_t h : charts_.stars.of(order_[i])) {
                 const uint32_t w = mesh_.target(h);
@@ -81,17 +81,17 @@ public:
         Array<int64_t> rest;
         if (!rest.allocate(memory, n) || !call.pass(n, 0, [&](size_t begin, size_t end) {
                 for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
-                    if (end - v > Stars::ahead)
-                        for (const uint32_t h : charts_.stars.of(v + Stars::ahead)) prefetch(&flux_.value[edge_of(h)]);
+                    if (end - v > Stars::AHEAD)
+                        for (const uint32_t h : charts_.stars.of(v + Stars::AHEAD)) prefetch(&flux_.value[edge_of(h)]);
                     rest[v] = charts_.odd[v] ? 0 : missing(v);
                 }
             }))
             return false;
         for (uint32_t i = size; i-- > roots;) {
             if (i % CONJUGATE_STRIDE == 0 && !call.tick(0)) return false;
-            if (i >= roots + 2 * Stars::ahead) {
-                prefetch(&parent_[order_[i - 2 * Stars::ahead]]);
-                const uint32_t soon = order_[i - Stars::ahead], h = parent_[soon];
+            if (i >= roots + 2 * Stars::AHEAD) {
+                prefetch(&parent_[order_[i - 2 * Stars::AHEAD]]);
+                const uint32_t soon = order_[i - Stars::AHEAD], h = parent_[soon];
                 prefetch(&rest[soon]);
                 prefetch(&charts_.chart[h]);
                 prefetch(&flux_.value[edge_of(h)]);
@@ -183,8 +183,8 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
     };
     const auto walk = [&](size_t begin, size_t end) {
         for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
-            if (end - v > Stars::ahead)
-                for (const uint32_t h : charts.stars.of(v + Stars::ahead)) {
+            if (end - v > Stars::AHEAD)
+                for (const uint32_t h : charts.stars.of(v + Stars::AHEAD)) {
                     prefetch(&flux.value[edge_of(h)]);
                     prefetch(&q[h]);
                 }

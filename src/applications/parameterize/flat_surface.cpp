@@ -154,8 +154,8 @@ Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& 
     };
     const auto count = [&](size_t begin, size_t end) {
         for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
-            if (end - v > Stars::ahead)
-                for (const uint32_t h : charts.stars.of(v + Stars::ahead)) {
+            if (end - v > Stars::AHEAD)
+                for (const uint32_t h : charts.stars.of(v + Stars::AHEAD)) {
                     prefetch(&flat.du.value[edge_of(h)]);
                     prefetch(&flat.dv.value[edge_of(h)]);
                 }

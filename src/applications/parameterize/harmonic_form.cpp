@@ -36,8 +36,8 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
         return call.out_of_memory();
     if (!call.pass(n, 0, [&](size_t begin, size_t end) {
             for (size_t v = begin; v < end; ++v) {
-                if (end - v > Stars::ahead)
-                    for (const uint32_t h : charts.stars.of(static_cast<uint32_t>(v) + Stars::ahead)) {
+                if (end - v > Stars::AHEAD)
+                    for (const uint32_t h : charts.stars.of(static_cast<uint32_t>(v) + Stars::AHEAD)) {
                         prefetch(&mesh.origin[h]);
                         prefetch(&mesh.next[h]);
                         prefetch(&weight[edge_of(h)]);
@@ -56,8 +56,8 @@ TwistedLaplacian::Balance TwistedLaplacian::read_divergence(const TwistedForm& f
     Balance balance;
     for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
         right_[v] = w_[v] = 0;
-        if (end - v > Stars::ahead)
-            for (const uint32_t h : charts_->stars.of(v + Stars::ahead)) {
+        if (end - v > Stars::AHEAD)
+            for (const uint32_t h : charts_->stars.of(v + Stars::AHEAD)) {
                 prefetch(&form.value[edge_of(h)]);
                 prefetch(&weight_[edge_of(h)]);
             }
@@ -123,9 +123,9 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, 
     const auto add = [&](size_t begin, size_t end) {
         for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
             const uint32_t h = 2 * e, t = h + 1;
-            if (end - e > 2 * Stars::ahead) {
-                prefetch(&w_[mesh.origin[h + 4 * Stars::ahead]]);
-                prefetch(&w_[mesh.origin[t + 4 * Stars::ahead]]);
+            if (end - e > 2 * Stars::AHEAD) {
+                prefetch(&w_[mesh.origin[h + 4 * Stars::AHEAD]]);
+                prefetch(&w_[mesh.origin[t + 4 * Stars::AHEAD]]);
             }
             form.add(*bundle_, h, -charts_->chart[h] * rounded(mesh.origin[h]));
             form.add(*bundle_, t, -charts_->chart[t] * rounded(mesh.origin[t]));

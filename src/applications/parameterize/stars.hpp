@@ -18,7 +18,7 @@ struct Stars {
     Done build(const Mesh& mesh, Call& call);
 
     // A pass over the vertices prefetches the data of the vertex that is this far ahead.
-    static constexpr uint32_t ahead = 8;
+    static constexpr uint32_t AHEAD = 8;
 
     struct Star {
         const uint32_t *first, *last;

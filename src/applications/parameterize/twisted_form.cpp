@@ -118,7 +118,7 @@ private:
 
     Done sign_faces() {
         const size_t sides = size_t{2} * mesh_.edge_count, block = Parallel::pass_block(sides);
-        uint32_t others[Parallel::most_parts] = {};
+        uint32_t others[Parallel::MOST_PARTS] = {};
         const auto sign = [&](size_t begin, size_t end) {
             uint32_t found = 0;
             for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),

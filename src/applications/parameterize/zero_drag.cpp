@@ -7,10 +7,10 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t MOST_CROSSED = 65536;               // faces in one search
-constexpr int64_t LARGEST_HEIGHT = int64_t{1} << 59; // the sum of two leaves room for two more
+constexpr size_t MOST_CROSSED = 65536;                    // faces in one search
+constexpr int64_t LARGEST_DRAG_HEIGHT = int64_t{1} << 59; // the sum of two leaves room for two more
 
-bool is_too_high(int64_t height) { return height > LARGEST_HEIGHT || height < -LARGEST_HEIGHT; }
+bool is_too_high(int64_t height) { return height > LARGEST_DRAG_HEIGHT || height < -LARGEST_DRAG_HEIGHT; }
 
 } // namespace
 

@@ -209,7 +209,7 @@ hmf_status CylinderRows::align_rows(uint32_t cylinder, double whole, double& tur
     const size_t size = 3 * place_.size();
     if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !start_rows(at_a_time)) return call_.out_of_memory();
     const auto by_path = [&](uint32_t i) { return twist_at(c, leaves_[i].piece, leaves_[i].height) / whole; };
-    double turned[LeafRows::most], path_before = 0, here = 0;
+    double turned[LeafRows::MOST], path_before = 0, here = 0;
     for (int64_t first = 1; first < m; first += at_a_time) {
         const uint32_t count = static_cast<uint32_t>(std::min(int64_t{at_a_time}, m - first));
         if (read_rows(cylinder, first, count)) return call_.status();

@@ -14,7 +14,7 @@ LeafRows::LeafRows(const QuadInput& in, Call& call) : in_(in), call_(call) {
 uint32_t LeafRows::at_a_time(uint32_t cylinder) const {
     const Boundary& lower = in_.graph.boundaries[in_.cylinders.list[cylinder].lower];
     const uint64_t rows = in_.f.mesh.edge_count / 2 / (lower.end - lower.begin + 1);
-    return rows < 1 ? 1 : rows < most ? static_cast<uint32_t>(rows) : most;
+    return rows < 1 ? 1 : rows < MOST ? static_cast<uint32_t>(rows) : MOST;
 }
 
 void LeafRows::follow_leaf(uint32_t cylinder, LeafRow& row) const {

@@ -14,7 +14,7 @@ struct LeafRow {
 
 class LeafRows {
 public:
-    static constexpr uint32_t most = 32; // at a time
+    static constexpr uint32_t MOST = 32; // at a time
 
     LeafRows(const QuadInput& in, Call& call);
 
@@ -30,7 +30,7 @@ private:
 
     const QuadInput& in_;
     Call& call_;
-    LeafRow row_[most + 1];
+    LeafRow row_[MOST + 1];
 };
 
 } // namespace hmf

@@ -16,7 +16,7 @@ constexpr size_t block_bytes(size_t bytes) { return (bytes + 15) / 16 * 16; }
 } // namespace
 
 void ResultBlock::add(ptrdiff_t field, size_t count, size_t size, const void* source) {
-    assert(part_count_ < most_arrays);
+    assert(part_count_ < MOST_ARRAYS);
     if (count > SIZE_MAX / 16 / size) too_large_ = true, count = 0;
     parts_[part_count_++] = {field, count * size, source};
 }

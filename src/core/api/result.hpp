@@ -32,7 +32,7 @@ public:
     }
 
 private:
-    static constexpr int most_arrays = 11;
+    static constexpr int MOST_ARRAYS = 11;
     struct Part {
         ptrdiff_t field;
         size_t bytes;
@@ -41,7 +41,7 @@ private:
     void add(ptrdiff_t field, size_t count, size_t size, const void* source);
     void* make_bytes(const void* structure, size_t bytes, const hmf_hierarchy& hierarchy, Call& call);
 
-    Part parts_[most_arrays];
+    Part parts_[MOST_ARRAYS];
     int part_count_ = 0;
     bool too_large_ = false;
 };

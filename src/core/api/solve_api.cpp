@@ -32,7 +32,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
                          "stop_level is %llu; the hierarchy has %llu, counted from 0.",
                          static_cast<unsigned long long>(options.stop_level),
                          static_cast<unsigned long long>(h.level_count));
-    options.largest_value = largest_inner_value;
+    options.largest_value = LARGEST_INNER_VALUE;
     if (options.method == HMF_METHOD_SINGLE_LEVEL && options.stop_level != 0)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "The single-level method works on level 0 only. Set stop_level to 0.");

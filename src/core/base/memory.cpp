@@ -97,8 +97,8 @@ void* Memory::take_array(size_t& bytes) {
         else if (!failure_) failure_ = whole_->failure();
         return block;
     }
-    if (!keeps_ || bytes < smallest_kept || bytes > SIZE_MAX / 2) return take(bytes);
-    bytes = (bytes + page - 1) / page * page;
+    if (!keeps_ || bytes < SMALLEST_KEPT || bytes > SIZE_MAX / 2) return take(bytes);
+    bytes = (bytes + PAGE - 1) / PAGE * PAGE;
     const size_t found = find_kept(bytes);
     if (found == kept_count_) return take(bytes);
     const Kept kept = pick(found);
@@ -111,10 +111,10 @@ void Memory::give_array(void* block, size_t bytes) {
     if (whole_) {
         used_ -= bytes;
         whole_->give_array(block, bytes);
-    } else if (!keeps_ || bytes < smallest_kept) {
+    } else if (!keeps_ || bytes < SMALLEST_KEPT) {
         give(block, bytes);
     } else {
-        if (kept_count_ == most_kept) drop_oldest();
+        if (kept_count_ == MOST_KEPT) drop_oldest();
         used_ -= bytes;
         ASAN_POISON_MEMORY_REGION(block, bytes);
         kept_[kept_count_++] = {block, bytes};
@@ -133,7 +133,7 @@ void Arena::clear() {
         memory_.give(block, block->bytes);
     }
     at_ = end_ = nullptr;
-    block_bytes_ = smallest_block;
+    block_bytes_ = SMALLEST_BLOCK;
 }
 
 char* Arena::new_block(size_t bytes) {
@@ -156,7 +156,7 @@ void* Arena::take_bytes(size_t count, size_t size) {
         if (!fresh) return nullptr;
         at_ = fresh;
         end_ = fresh + block_bytes_;
-        if (block_bytes_ < largest_block) block_bytes_ *= 2;
+        if (block_bytes_ < LARGEST_BLOCK) block_bytes_ *= 2;
     }
     void* const taken = at_;
     at_ += bytes;

@@ -67,7 +67,7 @@ private:
         void* block;
         size_t bytes;
     };
-    static constexpr size_t most_kept = 64, smallest_kept = 65536, page = 4096;
+    static constexpr size_t MOST_KEPT = 64, SMALLEST_KEPT = 65536, PAGE = 4096;
     Kept pick(size_t i);
     void drop_oldest();
     size_t find_kept(size_t bytes) const; // kept_count_: none
@@ -78,7 +78,7 @@ private:
     bool keeps_ = false;
     size_t kept_count_ = 0;
     uint64_t kept_bytes_ = 0;
-    Kept kept_[most_kept] = {}; // the oldest first
+    Kept kept_[MOST_KEPT] = {}; // the oldest first
 };
 
 // Owning array of a trivially copyable type.
@@ -235,13 +235,13 @@ private:
         Block* next;
         size_t bytes;
     };
-    static constexpr size_t smallest_block = 4096, largest_block = 32768;
+    static constexpr size_t SMALLEST_BLOCK = 4096, LARGEST_BLOCK = 32768;
     char* new_block(size_t bytes); // where its content begins
     void* take_bytes(size_t count, size_t size);
     Memory& memory_;
     Block* blocks_ = nullptr;
     char *at_ = nullptr, *end_ = nullptr; // free part of the block that is being filled
-    size_t block_bytes_ = smallest_block;
+    size_t block_bytes_ = SMALLEST_BLOCK;
 };
 
 // State of one call of the interface: memory, error, progress, time.
@@ -277,13 +277,13 @@ public:
     // two reports does not depend on the input.
     Done work(uint64_t steps, double fraction = 0, bool can_finish = true) {
         steps_ += steps;
-        return steps_ < unit_of_work || tick(fraction, can_finish);
+        return steps_ < UNIT_OF_WORK || tick(fraction, can_finish);
     }
     // Calls f(begin, end) for the blocks of a pass over n elements, on the threads of the host, and reports progress at
     // regular numbers of blocks; false: cancelled.
     template <class F>
     Done pass(size_t n, double fraction, F f, bool can_finish = false) {
-        const size_t block = Parallel::pass_block(n), stride = blocks_between_reports * block;
+        const size_t block = Parallel::pass_block(n), stride = BLOCKS_BETWEEN_REPORTS * block;
         for (size_t first = 0; first < n; first += stride) {
             if (!tick(fraction, can_finish)) return false;
             parallel.for_blocks(n - first < stride ? n - first : stride, block,
@@ -306,8 +306,8 @@ public:
     bool out_of_time() const { return time_limit_ > 0 && seconds() > time_limit_; }
 
 private:
-    static constexpr uint64_t unit_of_work = 16384;      // elementary steps
-    static constexpr size_t blocks_between_reports = 64; // at most 10 ms in one thread, up to a million elements
+    static constexpr uint64_t UNIT_OF_WORK = 16384;      // elementary steps
+    static constexpr size_t BLOCKS_BETWEEN_REPORTS = 64; // at most 10 ms in one thread, up to a million elements
 
     hmf_error* error_;
     hmf_progress_fn progress_;

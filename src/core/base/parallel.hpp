@@ -28,8 +28,8 @@ public:
     Parallel(hmf_parallel_for_fn run, void* user, uint32_t workers) :
         run_(run), user_(user), slots_(!run                   ? 1
                                        : workers == 0         ? 16
-                                       : workers < most_slots ? workers
-                                                              : most_slots) {}
+                                       : workers < MOST_SLOTS ? workers
+                                                              : MOST_SLOTS) {}
 
     uint32_t slots() const { return slots_; }
 
@@ -70,7 +70,7 @@ public:
     template <class T, class F>
     T sum_blocks(size_t n, F f) const {
         const size_t size = pass_block(n);
-        T part[most_parts];
+        T part[MOST_PARTS];
         for_blocks(n, size, [&](size_t begin, size_t end) { part[begin / size] = f(begin, end); });
         T sum{};
         for (size_t k = 0; k * size < n; ++k) sum += part[k]; // NOLINT(clang-analyzer-core*): each block set its part
@@ -79,14 +79,14 @@ public:
 
     // Elements of a block in a pass over n: a multiple of smallest, which takes as long as
     // waking a thread or more, with which there are at most most_parts blocks.
-    static constexpr size_t smallest = 4096, most_parts = 256;
+    static constexpr size_t SMALLEST = 4096, MOST_PARTS = 256;
     static size_t pass_block(size_t n) {
-        constexpr size_t whole = smallest * most_parts;
-        return n <= whole ? smallest : (n + whole - 1) / whole * smallest;
+        constexpr size_t whole = SMALLEST * MOST_PARTS;
+        return n <= whole ? SMALLEST : (n + whole - 1) / whole * SMALLEST;
     }
 
 private:
-    static constexpr uint32_t most_slots = 256;
+    static constexpr uint32_t MOST_SLOTS = 256;
 
     template <class F>
     struct Work {

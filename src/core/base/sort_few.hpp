@@ -14,7 +14,7 @@ template <class Key, class Put>
 Done place_by_few(size_t n, uint32_t keys, Key key, Put put, uint32_t* begin, const Parallel& parallel,
                   Memory& memory) {
     constexpr size_t most_parts = 16;
-    const size_t size = std::max(Parallel::smallest, (n + most_parts - 1) / most_parts);
+    const size_t size = std::max(Parallel::SMALLEST, (n + most_parts - 1) / most_parts);
     Array<uint32_t> next; // of each part and key
     if (!next.allocate(memory, most_parts * keys)) return false;
     parallel.for_blocks(n, size, [&](size_t first, size_t end) {

@@ -7,20 +7,20 @@ namespace hmf {
 
 class SparseMap {
 public:
-    static constexpr uint32_t absent = 0xffffffffu; // as key and as value
+    static constexpr uint32_t ABSENT = 0xffffffffu; // as key and as value
 
     // Empty, with room for a few keys.  False: out of memory.
     Done start(Memory& memory) {
         memory_ = &memory;
         count_ = 0;
-        return slots_.allocate_filled(memory, 64, Slot{absent, absent});
+        return slots_.allocate_filled(memory, 64, Slot{ABSENT, ABSENT});
     }
 
     uint32_t find(uint32_t key) const {
         const size_t mask = slots_.size() - 1;
         for (size_t i = place(key) & mask;; i = (i + 1) & mask) {
             if (slots_[i].key == key) return slots_[i].value;
-            if (slots_[i].key == absent) return absent;
+            if (slots_[i].key == ABSENT) return ABSENT;
         }
     }
 
@@ -44,7 +44,7 @@ private:
     void put(uint32_t key, uint32_t value) {
         const size_t mask = slots_.size() - 1;
         for (size_t i = place(key) & mask;; i = (i + 1) & mask) {
-            if (slots_[i].key == absent) {
+            if (slots_[i].key == ABSENT) {
                 slots_[i].key = key;
                 ++count_;
             } else if (slots_[i].key != key) continue;
@@ -56,10 +56,10 @@ private:
     Done grow() {
         Array<Slot> old;
         old.swap(slots_);
-        if (!slots_.allocate_filled(*memory_, 4 * old.size(), Slot{absent, absent})) return false;
+        if (!slots_.allocate_filled(*memory_, 4 * old.size(), Slot{ABSENT, ABSENT})) return false;
         count_ = 0;
         for (const Slot& s : old)
-            if (s.key != absent) put(s.key, s.value);
+            if (s.key != ABSENT) put(s.key, s.value);
         return true;
     }
 

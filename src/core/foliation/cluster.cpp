@@ -22,7 +22,7 @@ Done Foliation::share(const Foliation& whole, const uint32_t* blocks, Memory& me
     inside = blocks;
     members.start(memory);
     pushed.start(memory);
-    return members.reserve(most_inside) && pushed.reserve(most_inside);
+    return members.reserve(MOST_INSIDE) && pushed.reserve(MOST_INSIDE);
 }
 
 Cluster explore_cluster(Foliation& f, uint32_t vertex, const ClusterSearch& search) {
@@ -130,7 +130,7 @@ SingularityCount count_singularities(Foliation& f, const SingularityMaps& maps, 
     if (call && !call->tick(0, true)) return count;
     const size_t n = mesh.vertex_count, size = Parallel::pass_block(n);
     uint32_t* const other = f.pushed.data(); // not in use now, and as long as there are vertices
-    uint32_t others[Parallel::most_parts];
+    uint32_t others[Parallel::MOST_PARTS];
     parallel.for_blocks(n, size, [&](size_t begin, size_t end) {
         others[begin / size] = pass_over_regular(f, maps, begin, end, other + begin);
     });

@@ -59,11 +59,11 @@ struct Foliation {
     uint32_t mask = ~uint32_t{0};     // of that number: blocks that are joined differ in the other bits
     uint32_t block = 0;
     bool outside = false;
-    static constexpr uint32_t most_inside = 64;                                 // members, and as many pushed
+    static constexpr uint32_t MOST_INSIDE = 64;                                 // members, and as many pushed
     Done share(const Foliation& whole, const uint32_t* blocks, Memory& memory); // the same foliation for a task
     // Whether the task may read the star of a vertex, one more within its budget.
     bool may_look(uint32_t vertex, size_t members_now) {
-        if (!inside || ((inside[vertex] & mask) == block && members_now < most_inside)) return true;
+        if (!inside || ((inside[vertex] & mask) == block && members_now < MOST_INSIDE)) return true;
         outside = true;
         return false;
     }

@@ -7,14 +7,14 @@ namespace hmf {
 namespace {
 
 // In the word of a vertex: its block, and above that the rounds.
-constexpr uint32_t block_bits = 8;
-constexpr uint32_t outside_in(uint32_t round) { return uint32_t{1} << (block_bits + round); }
+constexpr uint32_t BLOCK_BITS = 8;
+constexpr uint32_t outside_in(uint32_t round) { return uint32_t{1} << (BLOCK_BITS + round); }
 
 } // namespace
 
 Done Sweeps::prepare(const Foliation& f, const Rings& rings, uint32_t coarser_count, Call& call) {
     const uint32_t n = f.mesh.vertex_count;
-    block_count_ = std::min(n / smallest_block, most_blocks);
+    block_count_ = std::min(n / SMALLEST_BLOCK, MOST_BLOCKS);
     // What hangs in a monogon moves along from elsewhere.
     if (block_count_ < 2 || !rings.monogons.vertex.empty()) {
         block_count_ = 1;
@@ -100,7 +100,7 @@ void Sweeps::sweep_block(uint32_t round, uint32_t block, Task& task, const Rings
     task.foliation.mask = outside_in(round) | ((outside_in(0) - 1) >> shift << shift);
     uint32_t waiting = 0;
     for (uint32_t i = 0; i < list.size; ++i) {
-        if (list.size - i > Rings::ahead) rings.prefetch_star(task.foliation.value, weight, list[i + Rings::ahead]);
+        if (list.size - i > Rings::AHEAD) rings.prefetch_star(task.foliation.value, weight, list[i + Rings::AHEAD]);
         task.foliation.outside = false;
         relax_vertex(task.foliation, rings, weight, list[i], task.star, result);
         if (task.foliation.outside) waiting_[begin + waiting++] = list[i];
@@ -111,10 +111,10 @@ void Sweeps::sweep_block(uint32_t round, uint32_t block, Task& task, const Rings
 Done Sweeps::sweep_round(uint32_t round, Foliation& f, const Rings& rings, const double* weight, bool backward,
                          const Star& star, SweepResult& result, Call& call, double fraction) {
     const uint32_t blocks = round_[round].count;
-    for (uint32_t first = 0; first < blocks; first += blocks_at_once) {
+    for (uint32_t first = 0; first < blocks; first += BLOCKS_AT_ONCE) {
         if (!call.tick(fraction, true)) return false;
-        const uint32_t count = std::min(blocks_at_once, blocks - first), epoch = f.epoch;
-        SweepResult part[blocks_at_once];
+        const uint32_t count = std::min(BLOCKS_AT_ONCE, blocks - first), epoch = f.epoch;
+        SweepResult part[BLOCKS_AT_ONCE];
         call.parallel.for_each(count, [&](uint32_t k, uint32_t) {
             Task& task = task_[k];
             // Stamps of one block do not meet those of another one.
@@ -134,7 +134,7 @@ Done Sweeps::sweep_list(List list, Foliation& f, const Rings& rings, const doubl
                         SweepResult& result, Call& call, double fraction) {
     for (uint32_t i = 0; i < list.size; ++i) {
         if (i % 256 == 0 && !call.work(8192 + 8 * f.take_walked(), fraction)) return false;
-        if (list.size - i > Rings::ahead) rings.prefetch_star(f.value, weight, list[i + Rings::ahead]);
+        if (list.size - i > Rings::AHEAD) rings.prefetch_star(f.value, weight, list[i + Rings::AHEAD]);
         relax_vertex(f, rings, weight, list[i], star, result);
     }
     return true;
@@ -146,8 +146,8 @@ void Sweeps::sweep(Foliation& f, const Rings& rings, const double* weight, bool 
         const uint32_t n = f.mesh.vertex_count;
         for (uint32_t i = 0; i < n; ++i) {
             if (i % 256 == 0 && !call.work(8192 + 8 * f.take_walked(), fraction)) return;
-            if (n - i > Rings::ahead)
-                rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::ahead : i + Rings::ahead);
+            if (n - i > Rings::AHEAD)
+                rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::AHEAD : i + Rings::AHEAD);
             relax_vertex(f, rings, weight, backward ? n - 1 - i : i, star, result);
         }
         return;

@@ -60,17 +60,17 @@ private:
                            SweepResult& result, Call& call, double fraction);
 
     // Values and weights of the smallest blocks fit into the cache of a core.
-    static constexpr uint32_t smallest_block = 4096, most_blocks = 64, blocks_at_once = 16;
-    static constexpr uint32_t most_rounds = 4, most_lists = 2 * most_blocks;
+    static constexpr uint32_t SMALLEST_BLOCK = 4096, MOST_BLOCKS = 64, BLOCKS_AT_ONCE = 16;
+    static constexpr uint32_t MOST_ROUNDS = 4, MOST_LISTS = 2 * MOST_BLOCKS;
 
     uint32_t block_count_ = 1, round_count_ = 0, list_count_ = 0;
-    Round round_[most_rounds];
+    Round round_[MOST_ROUNDS];
     Array<uint32_t> inside_;  // per vertex: its block, and a bit for each round that it is inside of none in
     Array<uint32_t> order_;   // lists of what is inside, round by round, then the others
     Array<uint32_t> waiting_; // at the beginning of each list: what waits for the others
-    uint32_t begin_[most_lists + 2] = {}; // in order_: of each list, of the others, and the end
-    uint32_t waits_[most_lists] = {};     // how many wait
-    Task task_[blocks_at_once];
+    uint32_t begin_[MOST_LISTS + 2] = {}; // in order_: of each list, of the others, and the end
+    uint32_t waits_[MOST_LISTS] = {};     // how many wait
+    Task task_[BLOCKS_AT_ONCE];
 };
 
 } // namespace hmf

@@ -26,7 +26,7 @@ struct Rings {
     Done build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel = Parallel());
     // Prefetches the data that a walk around v will read. A pass over the vertices does so for a vertex that is
     // `ahead`.
-    static constexpr uint32_t ahead = 8;
+    static constexpr uint32_t AHEAD = 8;
     HMF_INLINE void prefetch_star(const int64_t* value, const double* weight, uint32_t v) const {
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
             prefetch(value + side[t].opposite);

@@ -555,12 +555,12 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t metric = 24 * (E + F);                  // to 31 digits where triangles are thin
     // A polygon of all triangles, while flat polygons are triangulated.
     const uint64_t polygons = 200 * F + E + V;
-    const bool has_blocks = V >> (WorkMesh::smallest_block_shift + 1) > 0;
-    const uint64_t queues = 4 * BucketQueue::BUCKETS * (has_blocks ? WorkMesh::most_blocks + 1 : 1);
+    const bool has_blocks = V >> (WorkMesh::SMALLEST_BLOCK_SHIFT + 1) > 0;
+    const uint64_t queues = 4 * BucketQueue::BUCKETS * (has_blocks ? WorkMesh::MOST_BLOCKS + 1 : 1);
     const uint64_t work = 30 * E + 34 * V + queues + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
     // Of a group a run for each block and one alone after it, while their array grows by doubling.
-    const uint64_t groups = has_blocks ? records / WorkMesh::least_group : 0;
-    const uint64_t runs = 3 * sizeof(CollapseRun) * (groups * (WorkMesh::most_blocks + 1) + MAX_LEVELS);
+    const uint64_t groups = has_blocks ? records / WorkMesh::LEAST_GROUP : 0;
+    const uint64_t runs = 3 * sizeof(CollapseRun) * (groups * (WorkMesh::MOST_BLOCKS + 1) + MAX_LEVELS);
     const uint64_t log = sizeof(Collapse) * records + runs;
     const uint64_t flips = 4 * COARSE_FLIPS_PER_EDGE * coarse;
     const uint64_t geometry = 8 * coarse + 24 * coarse_vertices; // weights and positions of the coarse levels

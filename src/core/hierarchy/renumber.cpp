@@ -26,7 +26,7 @@ void number_elements(uint32_t count, uint32_t kept, uint32_t* number, Removed re
     if (parallel.slots() == 1) return number_block(0, count, 0);
     // Survivors of each block, then of all blocks before it.
     const size_t size = Parallel::pass_block(count);
-    uint32_t before[Parallel::most_parts], sum = 0;
+    uint32_t before[Parallel::MOST_PARTS], sum = 0;
     parallel.for_blocks(count, size, [&](size_t begin, size_t end) {
         uint32_t here = 0;
         for (size_t x = begin; x < end; ++x) here += 1 - removed(static_cast<uint32_t>(x));
@@ -115,7 +115,7 @@ public:
 private:
     const size_t count_, size_;
     size_t blocks_ = 0;
-    uint32_t before_[Parallel::most_parts + 1]; // elements that stay
+    uint32_t before_[Parallel::MOST_PARTS + 1]; // elements that stay
     const Parallel& parallel_;
 };
 

@@ -269,7 +269,7 @@ Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     face_end = all.face_count;
     find_blocks();
     // Coarser levels may have more blocks than this one, or none.
-    const uint32_t most = std::min(most_blocks, (vertex_end >> smallest_block_shift) + 1);
+    const uint32_t most = std::min(MOST_BLOCKS, (vertex_end >> SMALLEST_BLOCK_SHIFT) + 1);
     for (uint32_t k = 0; k <= (block_count > 0 ? most : 0); ++k)
         if (!queue[k].allocate(memory)) return false;
     return degree.allocate(memory, vertex_end) && link.allocate(memory, std::max(vertex_end, edge_end))
@@ -279,9 +279,9 @@ Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
 
 // A small mesh has none: all its edges are in the last queue.
 void WorkMesh::find_blocks() {
-    block_shift = smallest_block_shift;
-    while (vertex_end >> block_shift >= most_blocks) ++block_shift;
-    block_count = vertex_end >> (smallest_block_shift + 1) == 0 ? 0 : ((vertex_end - 1) >> block_shift) + 1;
+    block_shift = SMALLEST_BLOCK_SHIFT;
+    while (vertex_end >> block_shift >= MOST_BLOCKS) ++block_shift;
+    block_count = vertex_end >> (SMALLEST_BLOCK_SHIFT + 1) == 0 ? 0 : ((vertex_end - 1) >> block_shift) + 1;
 }
 
 void initial_quadrics(WorkMesh& work) {
@@ -379,7 +379,7 @@ private:
         if (all) return;
         // Edges between two blocks, listed where they are.
         const size_t size = Parallel::pass_block(work_.edge_end);
-        uint32_t listed[Parallel::most_parts];
+        uint32_t listed[Parallel::MOST_PARTS];
         parallel.for_blocks(work_.edge_end, size, [&](size_t begin, size_t end) {
             const uint32_t *const origin = mesh_.origin, shift = work_.block_shift;
             uint32_t* const list = &work_.link[begin];
@@ -400,7 +400,7 @@ private:
 
     // Sorted by queue; then each queue takes its own, all at the same time, in the same order.
     Done fill_in_blocks() {
-        constexpr uint32_t none = WorkMesh::most_blocks + 1; // of removed edges
+        constexpr uint32_t none = WorkMesh::MOST_BLOCKS + 1; // of removed edges
         uint32_t begin_of[none + 2];
         const auto find_queues = [&](size_t begin, size_t end) {
             for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
@@ -502,7 +502,7 @@ private:
     }
     // A run for each block, unless there are too few collapses for that.
     Done end_runs(const uint32_t* end) {
-        if (log_count_ - in_runs_ < WorkMesh::least_group) return end_run();
+        if (log_count_ - in_runs_ < WorkMesh::LEAST_GROUP) return end_run();
         const uint32_t group = static_cast<uint32_t>(runs_.size());
         for (uint32_t k = 0; k < work_.block_count; ++k) {
             if (end[k] == in_runs_) continue;
@@ -527,7 +527,7 @@ private:
     // Each block gets an equal share of the remaining collapses, in a part of the log of its own.
     Done collapse_in_blocks(uint32_t now) {
         const uint32_t share = left() / work_.block_count;
-        uint32_t count[WorkMesh::most_blocks], end[WorkMesh::most_blocks];
+        uint32_t count[WorkMesh::MOST_BLOCKS], end[WorkMesh::MOST_BLOCKS];
         Collapse* const log = log_ + log_count_;
         call_.parallel.for_each(work_.block_count, [&](uint32_t block, uint32_t) {
             count[block] = collapse_some(block, now, share, log + size_t{block} * share);

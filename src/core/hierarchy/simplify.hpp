@@ -73,16 +73,16 @@ struct WorkMesh {
     // Vertices v with the same v >> block_shift make a block, near in space; those at
     // a border have a neighbor in another one.  Edges that touch no border are in
     // the queue of their block, the others in the last queue.
-    static constexpr uint32_t most_blocks = 32;
-    static constexpr uint32_t least_group = 256; // collapses in blocks that become runs of their own
+    static constexpr uint32_t MOST_BLOCKS = 32;
+    static constexpr uint32_t LEAST_GROUP = 256; // collapses in blocks that become runs of their own
     uint32_t block_count = 0, block_shift = 31;
     Array<uint8_t> at_border;
     Array<uint16_t> bucket; // per edge: where it begins
-    BucketQueue queue[most_blocks + 1];
+    BucketQueue queue[MOST_BLOCKS + 1];
     bool has_double_edges = false; // two vertices may have several edges
 
     // For a mesh with room for all its elements.  Its degrees are to be set.
-    static constexpr uint32_t smallest_block_shift = 12;
+    static constexpr uint32_t SMALLEST_BLOCK_SHIFT = 12;
     void find_blocks(); // of the mesh as it is
     Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);
     const double* at(uint32_t v) const { return position + size_t{3} * v; }

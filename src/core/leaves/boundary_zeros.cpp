@@ -81,7 +81,7 @@ Done CriticalGraph::find_roots(const Foliation& f, SparseMap& root, bool& any) {
         const uint32_t v = circle_[at];
         for (const uint32_t h : f.mesh.around(v)) {
             const uint32_t w = f.mesh.target(h);
-            if (f.at(h) == 0 && root.find(w) == SparseMap::absent && (!root.set(w, root.find(v)) || !circle_.push(w)))
+            if (f.at(h) == 0 && root.find(w) == SparseMap::ABSENT && (!root.set(w, root.find(v)) || !circle_.push(w)))
                 return false;
         }
     }
@@ -91,7 +91,7 @@ Done CriticalGraph::find_roots(const Foliation& f, SparseMap& root, bool& any) {
 // Marked vertices of the boundary, and the roots of prongs: each is a new zero.
 Done CriticalGraph::find_places(const Foliation& f, int32_t index, Places& places) {
     const auto add_place = [&](uint32_t v) -> Done {
-        if (places.zero.find(v) != SparseMap::absent) return true;
+        if (places.zero.find(v) != SparseMap::ABSENT) return true;
         return places.zero.set(v, static_cast<uint32_t>(zeros.size())) && zeros.push({false, v, index, 1});
     };
     for (const uint32_t v : f.members)
@@ -118,7 +118,7 @@ Done CriticalGraph::read_circle(const Foliation& f, uint32_t h, const Places& pl
     const auto find_start = [&](uint32_t g, uint32_t ahead, bool closed) -> Done {
         if (closed && start == NONE) start = ahead;
         const uint32_t zero = places.at(f, ahead);
-        if (zero != places.at(f, g) && zero != SparseMap::absent && entry == NONE) entry = ahead;
+        if (zero != places.at(f, g) && zero != SparseMap::ABSENT && entry == NONE) entry = ahead;
         return true;
     };
     if (!for_circle(f, h, find_start)) return false;
@@ -132,7 +132,7 @@ Done CriticalGraph::read_circle(const Foliation& f, uint32_t h, const Places& pl
         const uint32_t zero = places.at(f, g);
         Run* const before = joined ? &runs.back() : nullptr;
         const bool extends = before && before->zero == zero && (!places.is_ring || before->last == previous);
-        if (zero == SparseMap::absent) {
+        if (zero == SparseMap::ABSENT) {
             if (!at_vertex_.set(g, BETWEEN)) return false;
         } else if (extends) before->last = g;
         else {
@@ -162,7 +162,7 @@ Done CriticalGraph::read_circles(const Foliation& f, const Places& places, Array
         for (const uint32_t h : f.mesh.around(v))
             if (f.at(h) > 0 && at_vertex_.find(h) == BETWEEN && !circle_.push(h)) return false;
     for (const uint32_t h : circle_) {
-        if (read.find(h) != SparseMap::absent) continue;
+        if (read.find(h) != SparseMap::ABSENT) continue;
         if (!read_circle(f, h, places, runs)
             || !for_circle(f, h, [&](uint32_t g, uint32_t, bool) { return read.set(g, 0); }))
             return false;

@@ -298,7 +298,7 @@ Done CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
         for (uint64_t i = b.begin; i + 1 < b.end; ++i) {
             const uint32_t e = edge_of(crossings[i].half_edge);
             uint32_t k = marked_.find(e);
-            if (k == SparseMap::absent) {
+            if (k == SparseMap::ABSENT) {
                 k = static_cast<uint32_t>(mark_offset_.size() - 1);
                 if (!marked_.set(e, k) || !mark_offset_.push(0)) return false;
             }

@@ -109,7 +109,7 @@ public:
     void marks_on(uint32_t edge, uint32_t& begin, uint32_t& end) const {
         begin = end = 0;
         const uint32_t k = marked_.find(edge);
-        if (k == SparseMap::absent) return;
+        if (k == SparseMap::ABSENT) return;
         begin = mark_offset_[k];
         end = mark_offset_[k + 1];
     }

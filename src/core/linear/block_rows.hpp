@@ -18,7 +18,7 @@ struct SparseRows {
 };
 
 // Blocks that are worked on between two reports; also the slots that need room.
-constexpr uint32_t blocks_at_once = 16;
+constexpr uint32_t BLOCKS_AT_ONCE = 16;
 
 // A sum of sparse rows, its columns in the order in which they came.
 template <class Entry>
@@ -44,12 +44,12 @@ struct RowSum {
 // One sum after the other.
 class RowSums {
 public:
-    Done allocate(uint32_t columns, Memory& memory) { return place_.allocate_filled(memory, columns, nowhere); }
+    Done allocate(uint32_t columns, Memory& memory) { return place_.allocate_filled(memory, columns, NOWHERE); }
     // column, entry: where it is written; room for all columns that will come, and one more.
     template <class Entry>
     RowSum<Entry> begin(uint32_t* column, Entry* entry) {
-        if (begin_ > nowhere / 2) {
-            for (uint32_t& p : place_) p = nowhere;
+        if (begin_ > NOWHERE / 2) {
+            for (uint32_t& p : place_) p = NOWHERE;
             begin_ = 0;
         }
         entry[0] = 0;
@@ -61,7 +61,7 @@ public:
     }
 
 private:
-    static constexpr uint32_t nowhere = 0xffffffffu;
+    static constexpr uint32_t NOWHERE = 0xffffffffu;
     Array<uint32_t> place_;
     uint32_t begin_ = 0;
 };
@@ -74,15 +74,15 @@ public:
     template <class Write>
     Done write(uint32_t rows, uint32_t rows_of_block, size_t expected, Memory& memory, Call* call, Write write_block) {
         rows_ = rows;
-        size_ = rows / most_blocks < rows_of_block ? rows_of_block : rows / most_blocks + 1;
+        size_ = rows / MOST_BLOCKS < rows_of_block ? rows_of_block : rows / MOST_BLOCKS + 1;
         bool fits = false;
         for (size_t room = expected; !fits; room *= 4) {
             if (!begin(room, memory)) return false;
             fits = true;
-            for (uint32_t first = 0; first < block_count() && fits; first += blocks_at_once) {
+            for (uint32_t first = 0; first < block_count() && fits; first += BLOCKS_AT_ONCE) {
                 if (call && !(call->tick(0, true) && !call->finishing())) return false;
-                const uint32_t left = block_count() - first, count = left < blocks_at_once ? left : blocks_at_once;
-                bool done[blocks_at_once] = {};
+                const uint32_t left = block_count() - first, count = left < BLOCKS_AT_ONCE ? left : BLOCKS_AT_ONCE;
+                bool done[BLOCKS_AT_ONCE] = {};
                 const Parallel parallel = call ? call->parallel : Parallel();
                 parallel.for_each(count, [&](uint32_t k, uint32_t slot) { done[k] = write_block(first + k, slot); });
                 for (uint32_t k = 0; k < count; ++k) fits &= done[k];
@@ -128,7 +128,7 @@ public:
     }
 
 private:
-    static constexpr uint32_t most_blocks = 1024;
+    static constexpr uint32_t MOST_BLOCKS = 1024;
     struct Block {
         size_t begin = 0, room = 0; // in column_ and entry_
         uint32_t used = 0;

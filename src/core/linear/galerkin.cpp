@@ -10,10 +10,10 @@ namespace hmf {
 namespace {
 
 // Entries of a coarse row for which there is room at first; meshes have 10 to 18 on average.
-constexpr size_t product_expected_entries = 24;
-constexpr uint32_t product_rows_of_block = 512; // a row takes 1 to 2 microseconds
+constexpr size_t PRODUCT_EXPECTED_ENTRIES = 24;
+constexpr uint32_t PRODUCT_ROWS_OF_BLOCK = 512; // a row takes 1 to 2 microseconds
 // The rows of A are met in no order: their memory is asked for product_rows_ahead.
-constexpr uint32_t product_rows_ahead = 16;
+constexpr uint32_t PRODUCT_ROWS_AHEAD = 16;
 
 uint32_t longest(const uint32_t* offset, size_t n) {
     uint32_t most = 0;
@@ -46,9 +46,9 @@ struct Product {
         const uint32_t total = static_cast<uint32_t>(columns.row.size());
         RowSum<double> fine = s.fine.begin(s.fine_index.data(), s.fine_value.data());
         for (uint32_t t = columns.start[c], end = columns.start[c + size_t{1}]; t < end; ++t) {
-            if (total - t > 2 * product_rows_ahead) prefetch(&matrix.offset[row[t + 2 * product_rows_ahead]]);
-            if (total - t > product_rows_ahead) {
-                const uint32_t soon = row[t + product_rows_ahead], at = matrix.offset[soon];
+            if (total - t > 2 * PRODUCT_ROWS_AHEAD) prefetch(&matrix.offset[row[t + 2 * PRODUCT_ROWS_AHEAD]]);
+            if (total - t > PRODUCT_ROWS_AHEAD) {
+                const uint32_t soon = row[t + PRODUCT_ROWS_AHEAD], at = matrix.offset[soon];
                 prefetch(&matrix.diagonal[soon]);
                 prefetch(&matrix.column[at]);
                 prefetch(&matrix.entry[at]);
@@ -103,14 +103,14 @@ Done galerkin(const SignedMatrix& matrix, const Prolongation& columns, const Spa
     const Parallel parallel = call ? call->parallel : Parallel();
     const uint32_t count = static_cast<uint32_t>(columns.columns());
     const size_t bound = size_t{longest(columns.start.data(), count)} * (longest(matrix.offset, matrix.n) + 1);
-    const uint32_t slots = parallel.slots() < blocks_at_once ? parallel.slots() : blocks_at_once;
-    Scratch scratch[blocks_at_once];
+    const uint32_t slots = parallel.slots() < BLOCKS_AT_ONCE ? parallel.slots() : BLOCKS_AT_ONCE;
+    Scratch scratch[BLOCKS_AT_ONCE];
     for (uint32_t s = 0; s < slots; ++s)
         if (!scratch[s].allocate(matrix.n, count, bound < matrix.n ? bound : matrix.n, memory)) return false;
     if (!coarse.diagonal.allocate_filled(memory, count, 0)) return false;
     const Product product{matrix, columns, rows};
     BlockRows<double> out;
-    return out.write(count, product_rows_of_block, product_expected_entries, memory, call,
+    return out.write(count, PRODUCT_ROWS_OF_BLOCK, PRODUCT_EXPECTED_ENTRIES, memory, call,
                      [&](uint32_t b, uint32_t slot) { return product.write(out, b, coarse.diagonal, scratch[slot]); })
         && out.join(coarse.rows, true, memory);
 }

@@ -26,18 +26,18 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t undecided = 0xffffffffu;
-constexpr uint32_t left_out = 0xfffffffeu;     // the smoother alone is enough
-constexpr uint32_t joined_later = 0x80000000u; // mark of an unknown that joined later
-constexpr double omega = 2.0 / 3;
+constexpr uint32_t UNDECIDED = 0xffffffffu;
+constexpr uint32_t LEFT_OUT = 0xfffffffeu;     // the smoother alone is enough
+constexpr uint32_t JOINED_LATER = 0x80000000u; // mark of an unknown that joined later
+constexpr double OMEGA = 2.0 / 3;
 // A hub is not smoothed: its row would couple all aggregates around it with
 // each other, and the Galerkin product would cost the square of its degree.
-constexpr uint32_t largest_smoothed_degree = 48;
+constexpr uint32_t LARGEST_SMOOTHED_DEGREE = 48;
 // Entries of a row of the prolongation for which there is room at first; meshes have 2 to 3 on average.
-constexpr size_t expected_entries = 4;
-constexpr uint32_t rows_of_block = 4096;
+constexpr size_t EXPECTED_ENTRIES = 4;
+constexpr uint32_t ROWS_OF_BLOCK = 4096;
 
-constexpr uint8_t on_column = 1, on_matrix_row = 2; // the row depends strongly on the column, the column on the row
+constexpr uint8_t ON_COLUMN = 1, ON_MATRIX_ROW = 2; // the row depends strongly on the column, the column on the row
 
 struct Aggregates {
     uint32_t count = 0;
@@ -80,10 +80,10 @@ Done find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, fl
                 const Unknown other = unknown[matrix.column[k]];
                 const double size = std::fabs(matrix.entry[k]), share = size * other.kernel;
                 sum += share;
-                strong[k] = static_cast<uint8_t>((share >= own.least) * on_column
-                                                 + (size * own.kernel >= other.least) * on_matrix_row);
+                strong[k] = static_cast<uint8_t>((share >= own.least) * ON_COLUMN
+                                                 + (size * own.kernel >= other.least) * ON_MATRIX_ROW);
             }
-            of[i] = own.kernel > 0 && sum > 0.1 * own.kernel * matrix.diagonal[i] ? undecided : left_out;
+            of[i] = own.kernel > 0 && sum > 0.1 * own.kernel * matrix.diagonal[i] ? UNDECIDED : LEFT_OUT;
         }
     });
     return true;
@@ -93,7 +93,7 @@ void take_in(const SignedMatrix& matrix, uint32_t root, bool strong_only, Aggreg
     a.of[root] = a.count;
     for (uint32_t k = matrix.offset[root]; k < matrix.offset[root + 1]; ++k) {
         const uint32_t j = matrix.column[k];
-        if (a.of[j] != undecided || (strong_only && !(a.strong[k] & on_matrix_row))) continue;
+        if (a.of[j] != UNDECIDED || (strong_only && !(a.strong[k] & ON_MATRIX_ROW))) continue;
         a.of[j] = a.count;
         a.sign[j] = matrix.entry[k] < 0 ? 1 : -1;
     }
@@ -104,13 +104,13 @@ void take_in(const SignedMatrix& matrix, uint32_t root, bool strong_only, Aggreg
 // none.  vote: zeros, left as found.
 bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, double* vote, Aggregates& a) {
     const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
-    const uint32_t mask = ~joined_later;
-    const auto counts = [&](uint32_t of) { return of < left_out && (of & mask) < a.count; };
+    const uint32_t mask = ~JOINED_LATER;
+    const auto counts = [&](uint32_t of) { return of < LEFT_OUT && (of & mask) < a.count; };
     for (uint32_t k = begin; k < end; ++k) {
         const uint32_t j = matrix.column[k], of = a.of[j];
         if (counts(of)) vote[of & mask] -= matrix.entry[k] * a.sign[j] * kernel[j];
     }
-    uint32_t best = undecided;
+    uint32_t best = UNDECIDED;
     double best_vote = -1;
     for (uint32_t k = begin; k < end; ++k) {
         const uint32_t of = a.of[matrix.column[k]];
@@ -125,25 +125,25 @@ bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint3
         const uint32_t of = a.of[matrix.column[k]];
         if (counts(of)) vote[of & mask] = 0;
     }
-    if (best == undecided) return false;
-    a.of[i] = best | joined_later;
+    if (best == UNDECIDED) return false;
+    a.of[i] = best | JOINED_LATER;
     return true;
 }
 
 // The same for strong entries to members that did not join in the first pass. The members are only read, so the
 // unknowns can be processed in any order. Returns best and sign, or undecided.
 uint32_t core_to_join(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, const Aggregates& a) {
-    uint32_t candidate[largest_smoothed_degree];
-    double vote[largest_smoothed_degree];
+    uint32_t candidate[LARGEST_SMOOTHED_DEGREE];
+    double vote[LARGEST_SMOOTHED_DEGREE];
     uint32_t count = 0;
     for (uint32_t k = matrix.offset[i], end = matrix.offset[i + 1]; k < end; ++k) {
         const uint32_t j = matrix.column[k], of = a.of.data()[j];
         candidate[count] = of;
         vote[count] = -(matrix.entry[k] * a.sign.data()[j] * kernel.data()[j]);
-        count += (of < a.count) & (a.strong.data()[k] & on_column);
-        if (count == largest_smoothed_degree) break;
+        count += (of < a.count) & (a.strong.data()[k] & ON_COLUMN);
+        if (count == LARGEST_SMOOTHED_DEGREE) break;
     }
-    uint32_t best = undecided;
+    uint32_t best = UNDECIDED;
     double best_size = -1;
     for (uint32_t c = 0; c < count; ++c) {
         double sum = 0;
@@ -163,12 +163,12 @@ Done join_cores(const SignedMatrix& matrix, const Array<double>& kernel, Aggrega
     if (!choice.allocate(memory, matrix.n)) return false;
     parallel.for_blocks(matrix.n, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
-            choice[i] = a.of[i] == undecided ? core_to_join(matrix, kernel, static_cast<uint32_t>(i), a) : undecided;
+            choice[i] = a.of[i] == UNDECIDED ? core_to_join(matrix, kernel, static_cast<uint32_t>(i), a) : UNDECIDED;
     });
     parallel.for_blocks(matrix.n, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            if (choice[i] == undecided) continue;
-            a.of[i] = choice[i] / 2 | joined_later;
+            if (choice[i] == UNDECIDED) continue;
+            a.of[i] = choice[i] / 2 | JOINED_LATER;
             a.sign[i] = choice[i] % 2 ? -1 : 1;
         }
     });
@@ -179,12 +179,12 @@ Done join_cores(const SignedMatrix& matrix, const Array<double>& kernel, Aggrega
 // most vertices at the end, in an order in space; the roots jump about.
 Done renumber(Aggregates& a, uint32_t n, Memory& memory) {
     Array<uint32_t> number;
-    if (!number.allocate_filled(memory, a.count, undecided)) return false;
+    if (!number.allocate_filled(memory, a.count, UNDECIDED)) return false;
     uint32_t next = a.count;
     for (uint32_t i = n; i-- > 0;) {
-        if (a.of[i] >= left_out) continue;
-        uint32_t& own = number[a.of[i] & ~joined_later];
-        if (own == undecided) own = --next;
+        if (a.of[i] >= LEFT_OUT) continue;
+        uint32_t& own = number[a.of[i] & ~JOINED_LATER];
+        if (own == UNDECIDED) own = --next;
         a.of[i] = own;
     }
     return true;
@@ -196,14 +196,14 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
     const Parallel parallel = call ? call->parallel : Parallel();
     if (!find_dependence(matrix, kernel, strength, a, parallel, memory) || !continues(call)) return false;
     for (uint32_t i = 0; i < n; ++i) {
-        if (a.of[i] != undecided) continue;
+        if (a.of[i] != UNDECIDED) continue;
         // Without early exit: its branch would be mispredicted half the time.
         bool has_strong = false, taken = false;
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
             const uint32_t of = a.of[matrix.column[k]];
-            const bool strong = a.strong[k] & on_matrix_row;
-            has_strong |= strong & (of == undecided);
-            taken |= strong & (of < left_out);
+            const bool strong = a.strong[k] & ON_MATRIX_ROW;
+            has_strong |= strong & (of == UNDECIDED);
+            taken |= strong & (of < LEFT_OUT);
         }
         if (has_strong & !taken) take_in(matrix, i, true, a);
     }
@@ -211,16 +211,16 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
     // Groups all of whose neighbors were taken, such as heavy edges among light ones: they have to stay together, or
     // the coarse level cannot move them.
     for (uint32_t i = 0; i < n; ++i) {
-        if (a.of[i] != undecided) continue;
+        if (a.of[i] != UNDECIDED) continue;
         bool has_strong = false;
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1] && !has_strong; ++k)
-            has_strong = a.of[matrix.column[k]] == undecided && (a.strong[k] & on_matrix_row);
+            has_strong = a.of[matrix.column[k]] == UNDECIDED && (a.strong[k] & ON_MATRIX_ROW);
         if (has_strong) take_in(matrix, i, true, a);
     }
     // The remaining unknowns have weak neighbors only.
     Array<double> vote;
     for (uint32_t i = 0; i < n; ++i) {
-        if (a.of[i] != undecided) continue;
+        if (a.of[i] != UNDECIDED) continue;
         if (vote.empty() && !vote.allocate_filled(memory, n, 0)) return false;
         if (!join_by_vote(matrix, kernel, i, vote.data(), a)) take_in(matrix, i, false, a);
     }
@@ -237,16 +237,16 @@ struct SmoothedRows {
     // What the entries of T are multiplied with, beside those of A; 0: they are not smoothed.
     double factor(uint32_t i) const {
         const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
-        if (end - begin > largest_smoothed_degree) return 0;
+        if (end - begin > LARGEST_SMOOTHED_DEGREE) return 0;
         // Weak entries act on the smooth vector as if they lay on the diagonal.
         const double all = matrix.diagonal[i] * kernel.data()[i];
         double strong = all;
         for (uint32_t k = begin; k < end; ++k) {
             const uint32_t j = matrix.column[k];
-            const bool used = (a.strong.data()[k] & on_column) & (a.of.data()[j] != left_out);
+            const bool used = (a.strong.data()[k] & ON_COLUMN) & (a.of.data()[j] != LEFT_OUT);
             strong -= std::fabs(matrix.entry[k]) * (used ? 0 : kernel.data()[j]);
         }
-        return strong > 0.05 * all ? omega * kernel.data()[i] / strong : 0;
+        return strong > 0.05 * all ? OMEGA * kernel.data()[i] / strong : 0;
     }
 
     // Rows of a block; false: there is no room for them.
@@ -254,14 +254,14 @@ struct SmoothedRows {
         for (uint32_t i = out.first_row(b); i < out.first_row(b + 1); ++i) {
             out.begin_row(b, i);
             const uint32_t own = a.of.data()[i], begin = matrix.offset[i], end = matrix.offset[i + 1];
-            if (own == left_out) continue;
+            if (own == LEFT_OUT) continue;
             const double smoothing = factor(i), t = tentative.data()[i];
             if (!out.has_room(b, smoothing > 0 ? end - begin + 1 : 1)) return false;
             RowSum<float> row = sums.begin(out.column(b), out.entry(b));
-            row.add(own, static_cast<float>(smoothing > 0 ? (1 - omega) * t : t));
+            row.add(own, static_cast<float>(smoothing > 0 ? (1 - OMEGA) * t : t));
             for (uint32_t k = begin; k < end && smoothing > 0; ++k) {
                 const uint32_t j = matrix.column[k], of = a.of.data()[j];
-                if ((a.strong.data()[k] & on_column) && of != left_out)
+                if ((a.strong.data()[k] & ON_COLUMN) && of != LEFT_OUT)
                     row.add(of, static_cast<float>(-smoothing * matrix.entry[k] * tentative.data()[j]));
             }
             sums.end(row);
@@ -274,19 +274,19 @@ struct SmoothedRows {
 Done build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel, const Aggregates& a,
                         const Array<double>& norm, SparseRows<float>& rows, Memory& memory, Call* call) {
     const Parallel parallel = call ? call->parallel : Parallel();
-    const uint32_t n = matrix.n, slots = parallel.slots() < blocks_at_once ? parallel.slots() : blocks_at_once;
+    const uint32_t n = matrix.n, slots = parallel.slots() < BLOCKS_AT_ONCE ? parallel.slots() : BLOCKS_AT_ONCE;
     Array<double> tentative;
-    RowSums sums[blocks_at_once];
+    RowSums sums[BLOCKS_AT_ONCE];
     if (!tentative.allocate(memory, n)) return false;
     for (uint32_t s = 0; s < slots; ++s)
         if (!sums[s].allocate(a.count, memory)) return false;
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
-            tentative[i] = a.of[i] == left_out ? 0 : a.sign[i] * kernel[i] / norm[a.of[i]];
+            tentative[i] = a.of[i] == LEFT_OUT ? 0 : a.sign[i] * kernel[i] / norm[a.of[i]];
     });
     const SmoothedRows smoothed{matrix, kernel, a, tentative};
     BlockRows<float> out;
-    return out.write(n, rows_of_block, expected_entries, memory, call, [&](uint32_t b, uint32_t slot) {
+    return out.write(n, ROWS_OF_BLOCK, EXPECTED_ENTRIES, memory, call, [&](uint32_t b, uint32_t slot) {
         return smoothed.write(out, b, sums[slot]);
     }) && out.join(rows, false, memory);
 }
@@ -296,7 +296,7 @@ Done build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
 Done transpose(const SparseRows<float>& rows, uint32_t columns, Prolongation& p, const Parallel& parallel,
                Memory& memory) {
     const size_t n = rows.offset.size() - 1, total = rows.offset[n];
-    const uint32_t chunks = parallel.slots() < blocks_at_once ? parallel.slots() : blocks_at_once;
+    const uint32_t chunks = parallel.slots() < BLOCKS_AT_ONCE ? parallel.slots() : BLOCKS_AT_ONCE;
     const size_t size = (n + chunks - 1) / chunks;
     Array<uint32_t> next; // of each chunk for each column
     if (!next.allocate_filled(memory, chunks * size_t{columns}, 0) || !p.start.allocate(memory, columns + size_t{1})
@@ -354,7 +354,7 @@ Done coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, 
     Array<double> norm;
     if (!norm.allocate_filled(memory, count, 0)) return false;
     for (uint32_t i = 0; i < n; ++i)
-        if (a.of[i] != left_out) norm[a.of[i]] += matrix.diagonal[i] * near_kernel[i] * near_kernel[i];
+        if (a.of[i] != LEFT_OUT) norm[a.of[i]] += matrix.diagonal[i] * near_kernel[i] * near_kernel[i];
     for (uint32_t c = 0; c < count; ++c) norm[c] = std::sqrt(norm[c]);
     SparseRows<float> rows;
     if (!build_prolongation(matrix, near_kernel, a, norm, rows, memory, call)) return false;

@@ -24,8 +24,8 @@ namespace hmf {
 
 MultigridLevels::~MultigridLevels() {
     if (!level_) return;
-    for (uint32_t l = 0; l < most; ++l) level_[l].~MultigridLevel();
-    memory_->give(level_, most * sizeof(MultigridLevel));
+    for (uint32_t l = 0; l < MOST; ++l) level_[l].~MultigridLevel();
+    memory_->give(level_, MOST * sizeof(MultigridLevel));
 }
 
 MultigridLevels& MultigridLevels::operator=(MultigridLevels&& other) noexcept {
@@ -36,14 +36,14 @@ MultigridLevels& MultigridLevels::operator=(MultigridLevels&& other) noexcept {
 
 Done MultigridLevels::start(Memory& memory) {
     if (level_) {
-        for (uint32_t l = 0; l < most; ++l) level_[l] = MultigridLevel{};
+        for (uint32_t l = 0; l < MOST; ++l) level_[l] = MultigridLevel{};
         return true;
     }
-    void* const block = memory.take(most * sizeof(MultigridLevel));
+    void* const block = memory.take(MOST * sizeof(MultigridLevel));
     if (!block) return false;
     level_ = static_cast<MultigridLevel*>(block);
     memory_ = &memory;
-    for (uint32_t l = 0; l < most; ++l) new (level_ + l) MultigridLevel;
+    for (uint32_t l = 0; l < MOST; ++l) new (level_ + l) MultigridLevel;
     return true;
 }
 
@@ -67,7 +67,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     CoarseMatrix storage;
     SignedMatrix current = matrix;
     float strength = 0.05f;
-    for (uint32_t l = 0; l < max_levels; ++l) {
+    for (uint32_t l = 0; l < MAX_LEVELS; ++l) {
         MultigridLevel& level = level_[l];
         if (!unit_diagonal_scale(current, threshold, level.scale, parallel, memory)) return false;
         if (l > 0) {
@@ -76,13 +76,13 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
             finer.prolongation.renumber(finer.matrix, parallel);
             if (l > 1) finer.scale.release();
         }
-        if (current.n <= dense_limit) {
+        if (current.n <= DENSE_LIMIT) {
             if (!dense_.build(current, level.scale, memory)) return false;
             break;
         }
         ++level_count_;
         level.n = current.n;
-        const bool last = l + 1 == depth || l + 1 == max_levels;
+        const bool last = l + 1 == depth || l + 1 == MAX_LEVELS;
         CoarseMatrix coarse;
         if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
             || !continues(call) || !level.matrix.build(current, level.scale.data(), l == 0, parallel, memory)
@@ -151,7 +151,7 @@ void SignedMultigrid::descend(uint32_t l, const Parallel& parallel, const Linear
     level.matrix.find_rest(level.x.data(), level.r.data(), parallel);
     leave_out(held, level, level.r);
     const SweepMatrix* const next = l + 1 < level_count_ ? &level_[l + 1].matrix : nullptr;
-    level.prolongation.restrict_to(next_right(l), level.r.data(), floor_value, next, parallel);
+    level.prolongation.restrict_to(next_right(l), level.r.data(), FLOOR_VALUE, next, parallel);
 }
 
 void SignedMultigrid::ascend(uint32_t l, const Parallel& parallel, const LinearOptions* held) {
@@ -269,7 +269,7 @@ ResidualNorms residual_norms(size_t n, const float* scale, const float* row_scal
         for (size_t i = begin; i < end; ++i) {
             const double r = residual(i), g = static_cast<double>(scale[i]) * r;
             norms.squares += g * g;
-            if (input) input[i] = static_cast<float>(g * factor) + floor_value;
+            if (input) input[i] = static_cast<float>(g * factor) + FLOOR_VALUE;
             if (!row_scale) continue;
             const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
             if (row > norms.largest_row) norms.largest_row = row;
@@ -327,22 +327,22 @@ public:
     // After each iteration: by which factor the goal is missed.
     bool is_too_slow(double missing) {
         const double before = last_[0];
-        for (uint32_t i = 0; i + 1 < span; ++i) last_[i] = last_[i + 1];
-        last_[span - 1] = missing;
+        for (uint32_t i = 0; i + 1 < SPAN; ++i) last_[i] = last_[i + 1];
+        last_[SPAN - 1] = missing;
         --left_;
-        if (known_ < span) {
+        if (known_ < SPAN) {
             ++known_;
             return false;
         }
         const double rate = missing / before;
-        for (uint32_t i = 0; i + span <= left_; i += span) missing *= rate;
-        return missing > trust;
+        for (uint32_t i = 0; i + SPAN <= left_; i += SPAN) missing *= rate;
+        return missing > TRUST;
     }
 
 private:
-    static constexpr uint32_t span = 3;
-    static constexpr double trust = 30; // the pace gets faster: then the prediction was too large by this much
-    double last_[span] = {};
+    static constexpr uint32_t SPAN = 3;
+    static constexpr double TRUST = 30; // the pace gets faster: then the prediction was too large by this much
+    double last_[SPAN] = {};
     uint32_t known_ = 0, left_;
 };
 
@@ -455,7 +455,7 @@ ResidualNorms SignedMultigrid::find_residual(const Search& s, double per_unit, c
             const uint32_t k = sweeps.number(i);
             double own = static_cast<double>(scale[i]) * r * per_unit;
             if (any_held && held[k] < 0) own = r = 0;
-            g[k] = static_cast<float>(own) + floor_value;
+            g[k] = static_cast<float>(own) + FLOOR_VALUE;
             sum.squares += own * own;
             if (!row_scale) continue;
             const double row = static_cast<double>(row_scale[i]) * std::fabs(r);

@@ -61,7 +61,7 @@ struct MultigridLevel {
 // Room for all levels there may be, in the memory of the call: several multigrids lie on one stack.
 class MultigridLevels {
 public:
-    static constexpr uint32_t most = 24;
+    static constexpr uint32_t MOST = 24;
     MultigridLevels() = default;
     ~MultigridLevels();
     MultigridLevels(const MultigridLevels&) = delete;
@@ -71,11 +71,11 @@ public:
     Done start(Memory& memory); // all of them empty
     bool empty() const { return !level_; }
     MultigridLevel& operator[](uint32_t l) {
-        assert(level_ && l < most);
+        assert(level_ && l < MOST);
         return level_[l];
     }
     const MultigridLevel& operator[](uint32_t l) const {
-        assert(level_ && l < most);
+        assert(level_ && l < MOST);
         return level_[l];
     }
 
@@ -86,12 +86,12 @@ private:
 
 class SignedMultigrid {
 public:
-    static constexpr uint32_t max_levels = MultigridLevels::most;
+    static constexpr uint32_t MAX_LEVELS = MultigridLevels::MOST;
 
     // Builds the preconditioner. Not done also if the call (may be null) was asked to finish. The matrix is not kept.
     // depth: largest number of sparse levels; 1 is the smoother alone, which suffices for a few digits of an error
     // without long waves.
-    Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
+    Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = MAX_LEVELS);
 
     // Takes the values of a matrix that hardly differs, in the same columns, for the
     // smoother of the finest level; the coarse levels stay.  changed: rows with other values.
@@ -128,7 +128,7 @@ private:
     bool search_in_single(Search& search, Call& call);
     ResidualNorms find_residual(const Search& search, double per_unit, const float* held, const Parallel& parallel);
 
-    static constexpr uint32_t dense_limit = 300;
+    static constexpr uint32_t DENSE_LIMIT = 300;
     MultigridLevels level_;
     uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
     bool single_is_enough_ = true; // of products by the sweeps

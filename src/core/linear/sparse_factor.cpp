@@ -176,10 +176,10 @@ Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call) {
 
 Done SparseFactor::build(const SignedMatrix& matrix, Call& call) {
     n_ = 0;
-    if (matrix.n > most_unknowns) return true;
+    if (matrix.n > MOST_UNKNOWNS) return true;
     uint64_t entries = 0;
     if (!number_unknowns(matrix, call) || !find_tree(matrix, call, entries)) return false;
-    if (entries > most_entries * matrix.n) return true;
+    if (entries > MOST_ENTRIES * matrix.n) return true;
     if (!row_.allocate(call.memory, static_cast<size_t>(entries))
         || !entry_.allocate(call.memory, static_cast<size_t>(entries)) || !diagonal_.allocate(call.memory, matrix.n)
         || !eliminate(matrix, call))

@@ -26,8 +26,8 @@ public:
     // A x = b.  Another solve for what rounding leaves of b makes that no smaller.
     Done solve(const double* b, double* x, Memory& memory) const;
 
-    static constexpr uint32_t most_unknowns = 200000;
-    static constexpr uint64_t most_entries = 200;
+    static constexpr uint32_t MOST_UNKNOWNS = 200000;
+    static constexpr uint64_t MOST_ENTRIES = 200;
 
 private:
     Done number_unknowns(const SignedMatrix& matrix, Call& call);

@@ -10,9 +10,9 @@ namespace hmf {
 namespace {
 
 // Rows with more entries are on the border: otherwise all of their neighbors would be.
-constexpr uint32_t widest_inner_row = 48;
+constexpr uint32_t WIDEST_INNER_ROW = 48;
 // The rows of the matrix are read in no order, so their memory is prefetched.
-constexpr uint32_t sweep_ahead = 8;
+constexpr uint32_t SWEEP_AHEAD = 8;
 
 void prefetch_row(const SignedMatrix& matrix, uint32_t i) {
     prefetch(&matrix.column[matrix.offset[i]]);
@@ -45,7 +45,7 @@ Done find_places(const SignedMatrix& matrix, Array<uint32_t>& place, const Paral
 
 // While the entries are written.
 struct SweepMatrix::Order {
-    static constexpr uint32_t on_border = 0x80000000u;
+    static constexpr uint32_t ON_BORDER = 0x80000000u;
     Array<uint32_t> row;         // of the matrix, by number; empty: the number
     Array<uint32_t> code;        // of each row of the matrix: its number, and whether it is on the border
     Array<uint8_t> kind;         // of each row of the matrix
@@ -75,10 +75,10 @@ Done SweepMatrix::list_in_space(const SignedMatrix& matrix, Order& order, const 
 
 // Hubs are on the border whatever part they are in, and what touches one need not be.
 void SweepMatrix::set_kinds(const SignedMatrix& matrix, Order& order, const Parallel& parallel) const {
-    const bool fits = shift_ <= narrow_bits || matrix.n <= 1u << narrow_bits;
+    const bool fits = shift_ <= NARROW_BITS || matrix.n <= 1u << NARROW_BITS;
     const uint32_t *const offset = matrix.offset, *const code = order.code.data(), shift = shift_;
     uint8_t* const kind = order.kind.data();
-    const auto is_hub = [=](uint32_t i) { return offset[i + size_t{1}] - offset[i] > widest_inner_row; };
+    const auto is_hub = [=](uint32_t i) { return offset[i + size_t{1}] - offset[i] > WIDEST_INNER_ROW; };
     order.all_inner = parallel.sum_blocks<uint32_t>(matrix.n, [=, &matrix](size_t begin, size_t end) {
         uint32_t others = 0;
         for (uint32_t i = static_cast<uint32_t>(begin); i < end; ++i) {
@@ -144,11 +144,11 @@ struct SweepMatrix::Before {
     bool on_border;
 
     Before(uint32_t code, uint32_t part_shift) :
-        number(code & ~Order::on_border), shift(part_shift), on_border(code & Order::on_border) {}
+        number(code & ~Order::ON_BORDER), shift(part_shift), on_border(code & Order::ON_BORDER) {}
     bool operator()(uint32_t code) const {
-        const uint32_t other = code & ~Order::on_border;
+        const uint32_t other = code & ~Order::ON_BORDER;
         const bool smaller = other < number;
-        return on_border ? !(code & Order::on_border) | smaller : smaller & (other >> shift == number >> shift);
+        return on_border ? !(code & Order::ON_BORDER) | smaller : smaller & (other >> shift == number >> shift);
     }
 };
 
@@ -165,7 +165,7 @@ Done SweepMatrix::lay_out(const SignedMatrix& matrix, Order& order, const Parall
     const uint32_t n = matrix.n;
     const auto room = [](uint32_t entries) {
         const uint32_t count = groups_of(entries);
-        return static_cast<uint8_t>(count < no_room ? count : no_room);
+        return static_cast<uint8_t>(count < NO_ROOM ? count : NO_ROOM);
     };
     if (!order.lower.allocate(memory, n) || !order.upper.allocate(memory, n)) return false;
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
@@ -180,7 +180,7 @@ Done SweepMatrix::lay_out(const SignedMatrix& matrix, Order& order, const Parall
         for (uint32_t k = at.row; k < at.row + at.rows; ++k) {
             const uint32_t i = order.row_of(k);
             uint32_t lower = order.lower.data()[i], upper = order.upper.data()[i];
-            if (lower == no_room || upper == no_room) {
+            if (lower == NO_ROOM || upper == NO_ROOM) {
                 const uint32_t before = entries_before(matrix, order, i);
                 lower = groups_of(before);
                 upper = groups_of(matrix.offset[i + 1] - matrix.offset[i] - before);
@@ -204,7 +204,7 @@ Done SweepMatrix::lay_out(const SignedMatrix& matrix, Order& order, const Parall
         at.lower_end = static_cast<uint32_t>(count.lower);
         at.upper_end = static_cast<uint32_t>(count.upper);
         at.mark = marks;
-        marks += (at.rows + rows_of_mark - 1) / rows_of_mark;
+        marks += (at.rows + ROWS_OF_MARK - 1) / ROWS_OF_MARK;
     }
     for (const Count& count : total)
         if (count.lower > 0xf0000000u || count.upper > 0xf0000000u) {
@@ -226,21 +226,21 @@ static float scaled(double value) { return std::fabs(value) > 1e-20 ? static_cas
 // Entries of a row on one side of it that have no group yet; room for those of some more, and to fill up.
 template <class Column>
 struct SweepMatrix::Side {
-    static constexpr uint32_t more = 32;
+    static constexpr uint32_t MORE = 32;
     Group<Column>* at;
     uint32_t used = 0;
     Column mark = 0;
-    Column column[more + 2 * group_size] = {};
-    float entry[more + 2 * group_size] = {};
+    Column column[MORE + 2 * GROUP_SIZE] = {};
+    float entry[MORE + 2 * GROUP_SIZE] = {};
 
     explicit Side(Group<Column>* begin) : at(begin) {}
     void begin_row() {
         used = 0;
-        mark = Group<Column>::first;
+        mark = Group<Column>::FIRST;
     }
     // All that there is; the last group is filled up.
     void write(uint32_t count, Column own) {
-        for (uint32_t t = 0; t < group_size; ++t) {
+        for (uint32_t t = 0; t < GROUP_SIZE; ++t) {
             column[count + t] = own;
             entry[count + t] = 0;
         }
@@ -251,15 +251,15 @@ struct SweepMatrix::Side {
             at->column[0] = static_cast<Column>(at->column[0] | mark);
             mark = 0;
             ++at;
-            t += group_size;
+            t += GROUP_SIZE;
         } while (t < count);
     }
     // Only whole groups, and something is left for the end of the row.
     void write_whole(Column own) {
-        if (used <= group_size) return;
-        const uint32_t whole = (used - 1) / group_size * group_size;
-        Column last_column[group_size];
-        float last_entry[group_size];
+        if (used <= GROUP_SIZE) return;
+        const uint32_t whole = (used - 1) / GROUP_SIZE * GROUP_SIZE;
+        Column last_column[GROUP_SIZE];
+        float last_entry[GROUP_SIZE];
         std::memcpy(last_column, column + whole, sizeof last_column);
         std::memcpy(last_entry, entry + whole, sizeof last_entry);
         write(whole, own);
@@ -277,9 +277,9 @@ void SweepMatrix::write_rows(const SignedMatrix& matrix, const float* scale, con
     const uint32_t* const code = order.code.data();
     const uint32_t last_row = at.row + at.rows;
     for (uint32_t k = at.row; k < last_row; ++k) {
-        if (last_row - k > sweep_ahead) prefetch_row(matrix, order.row_of(k + sweep_ahead));
-        if ((k - at.row) % rows_of_mark == 0)
-            mark_[at.mark + (k - at.row) / rows_of_mark] = {static_cast<uint32_t>(lower.at - lower_begin),
+        if (last_row - k > SWEEP_AHEAD) prefetch_row(matrix, order.row_of(k + SWEEP_AHEAD));
+        if ((k - at.row) % ROWS_OF_MARK == 0)
+            mark_[at.mark + (k - at.row) / ROWS_OF_MARK] = {static_cast<uint32_t>(lower.at - lower_begin),
                                                             static_cast<uint32_t>(upper.at - upper_begin)};
         const uint32_t i = order.row_of(k);
         const Before before(code[i], shift_);
@@ -288,7 +288,7 @@ void SweepMatrix::write_rows(const SignedMatrix& matrix, const float* scale, con
         lower.begin_row();
         upper.begin_row();
         for (uint32_t t = matrix.offset[i], end = matrix.offset[i + 1];;) {
-            const uint32_t stop = end - t > Side<Column>::more ? t + Side<Column>::more : end;
+            const uint32_t stop = end - t > Side<Column>::MORE ? t + Side<Column>::MORE : end;
             uint32_t used_lower = lower.used, used_upper = upper.used;
             // Branch-free: an entry that does not belong to a side is written over by the next.
             for (; t < stop; ++t) {
@@ -296,7 +296,7 @@ void SweepMatrix::write_rows(const SignedMatrix& matrix, const float* scale, con
                 const float value = scaled(matrix.entry[t] * own_scale * static_cast<double>(scale[j]));
                 const bool is_before = before(other);
                 lower.column[used_lower] = upper.column[used_upper] =
-                    static_cast<Column>((other & ~Order::on_border) - first_column);
+                    static_cast<Column>((other & ~Order::ON_BORDER) - first_column);
                 lower.entry[used_lower] = upper.entry[used_upper] = value;
                 used_lower += is_before;
                 used_upper += !is_before;
@@ -315,8 +315,8 @@ void SweepMatrix::write_rows(const SignedMatrix& matrix, const float* scale, con
 Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, bool renumber, const Parallel& parallel,
                         Memory& memory) {
     const uint32_t n = matrix.n;
-    shift_ = n < 2 * small_part ? 31 : n / small_part < enough_parts ? small_part_bits : part_bits;
-    while (n >> shift_ >= most_parts) ++shift_;
+    shift_ = n < 2 * SMALL_PART ? 31 : n / SMALL_PART < ENOUGH_PARTS ? SMALL_PART_BITS : PART_BITS;
+    while (n >> shift_ >= MOST_PARTS) ++shift_;
     parts_ = (n >> shift_) + 1;
     number_.release();
     Order order;
@@ -332,7 +332,7 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, bool ren
     if (!set_numbers(n, order, parallel, memory)) return false;
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
-            order.code[i] = number(i) | (order.kind[i] == border ? Order::on_border : 0);
+            order.code[i] = number(i) | (order.kind[i] == border ? Order::ON_BORDER : 0);
     });
     order.kind.release();
     if (!lay_out(matrix, order, parallel, memory)) return false;
@@ -345,7 +345,7 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, bool ren
         for (auto* const list : {&groups.lower, &groups.upper}) {
             auto& last = list->data()[list->size() - 1];
             last = {};
-            last.column[0] = last.first;
+            last.column[0] = last.FIRST;
         }
     };
     end(narrow_);
@@ -360,16 +360,16 @@ void SweepMatrix::refresh_row(const SignedMatrix& matrix, const float* scale, ui
     for (uint32_t t = matrix.offset[i], last = matrix.offset[i + 1]; t < last; ++t) {
         const uint32_t j = matrix.column[t], c = numbers.number(j);
         const float value = scaled(matrix.entry[t] * static_cast<double>(scale[i]) * static_cast<double>(scale[j]));
-        if (used_low == group_size && !low[1].is_first()) {
+        if (used_low == GROUP_SIZE && !low[1].is_first()) {
             ++low;
             used_low = 0;
         }
         // The columns tell which entries come before the row; padding entries have a column of their own.
-        if (used_low < group_size && c != own && low->column_at(used_low) + first_column == c) {
+        if (used_low < GROUP_SIZE && c != own && low->column_at(used_low) + first_column == c) {
             low->entry[used_low++] = value;
             continue;
         }
-        if (used_up == group_size) {
+        if (used_up == GROUP_SIZE) {
             ++up;
             used_up = 0;
         }
@@ -381,10 +381,10 @@ void SweepMatrix::refresh(const SignedMatrix& matrix, const float* scale, const 
                           const Parallel& parallel) {
     // The groups of row k.
     const auto find = [&](const Segment& at, uint32_t k, auto& groups, auto*& low, auto*& up) {
-        const Mark mark = mark_[at.mark + (k - at.row) / rows_of_mark];
+        const Mark mark = mark_[at.mark + (k - at.row) / ROWS_OF_MARK];
         low = groups.lower.data() + mark.lower;
         up = groups.upper.data() + mark.upper;
-        for (uint32_t rows = (k - at.row) % rows_of_mark; rows > 0; --rows) {
+        for (uint32_t rows = (k - at.row) % ROWS_OF_MARK; rows > 0; --rows) {
             do ++low;
             while (!low->is_first());
             do ++up;
@@ -416,7 +416,7 @@ void SweepMatrix::refresh(const SignedMatrix& matrix, const float* scale, const 
 // Sum of entry * x.
 template <class Column>
 inline float SweepMatrix::Group<Column>::product(const float* x) const {
-    static_assert(group_size == 4, "written out here");
+    static_assert(GROUP_SIZE == 4, "written out here");
     return (entry[0] * x[column_at(0)] + entry[1] * x[column[1]]) + (entry[2] * x[column[2]] + entry[3] * x[column[3]]);
 }
 
@@ -562,7 +562,7 @@ StepSums SweepMatrix::backward_to_step(const float* g, float* x, const StepVecto
 
 ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float* x, const StepVectors& v,
                                         const Parallel& parallel) const {
-    OfSegments<ResidualNorms, kinds * most_parts> of;
+    OfSegments<ResidualNorms, kinds * MOST_PARTS> of;
     float *const product = v.product, *const direction = v.direction, *const solution = v.solution;
     const float *const difference = v.difference, *const row_scale = v.row_scale;
     forward_by(parallel, [&](uint32_t part, Kind kind) {
@@ -582,7 +582,7 @@ ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float
                 float q = (old - before) + beta * product[i];
                 const bool held = row_scale && row_scale[i] < 0;
                 if (held) q = 0;
-                const float rest = old - alpha * q + floor_value;
+                const float rest = old - alpha * q + FLOOR_VALUE;
                 direction[i] = p;
                 product[i] = q;
                 solution[i] += alpha * p;

@@ -32,7 +32,7 @@ namespace hmf {
 
 // Added to right sides in single precision: far from their support the sweeps would decay into subnormal
 // numbers, which are slow.
-constexpr float floor_value = 1e-25f;
+constexpr float FLOOR_VALUE = 1e-25f;
 
 // z: x after the backward sweep.
 struct StepSums {
@@ -91,21 +91,21 @@ public:
     double stored_entries() const {
         return static_cast<double>(narrow_.lower.size() + narrow_.upper.size() + wide_.lower.size()
                                    + wide_.upper.size())
-             * group_size;
+             * GROUP_SIZE;
     }
 
 private:
     // Entries of a row, padded with zeros: most rows of a mesh have one group of entries before the row in a sweep and
     // one after it, and the end of a loop of variable length would be mispredicted in each row.
-    static constexpr uint32_t group_size = 4;
+    static constexpr uint32_t GROUP_SIZE = 4;
     template <class Column>
     struct Group {
-        static constexpr Column first = static_cast<Column>(Column{1} << (8 * sizeof(Column) - 1));
-        Column column[group_size]; // the first one marked in the first group of a row
-        float entry[group_size];
+        static constexpr Column FIRST = static_cast<Column>(Column{1} << (8 * sizeof(Column) - 1));
+        Column column[GROUP_SIZE]; // the first one marked in the first group of a row
+        float entry[GROUP_SIZE];
 
-        bool is_first() const { return column[0] & first; }
-        Column column_at(uint32_t t) const { return static_cast<Column>(column[t] & static_cast<Column>(~first)); }
+        bool is_first() const { return column[0] & FIRST; }
+        Column column_at(uint32_t t) const { return static_cast<Column>(column[t] & static_cast<Column>(~FIRST)); }
         float product(const float* x) const;
     };
     // What comes before each row and after it; at the end of each a group that belongs to no row.
@@ -116,13 +116,13 @@ private:
     using Narrow = uint16_t;
     using Wide = uint32_t;
 
-    static uint32_t groups_of(uint32_t entries) { return entries == 0 ? 1 : (entries - 1) / group_size + 1; }
+    static uint32_t groups_of(uint32_t entries) { return entries == 0 ? 1 : (entries - 1) / GROUP_SIZE + 1; }
 
     // The larger the parts the shorter the border, 5 % of the rows with these numbers; but there
     // have to be enough parts for the threads, and a part takes 5 times as long as waking a thread.
-    static constexpr uint32_t part_bits = 14, small_part_bits = 13, small_part = 1 << small_part_bits;
-    static constexpr uint32_t narrow_bits = 15; // of the columns of a part, beside the mark
-    static constexpr uint32_t enough_parts = 32, most_parts = 255;
+    static constexpr uint32_t PART_BITS = 14, SMALL_PART_BITS = 13, SMALL_PART = 1 << SMALL_PART_BITS;
+    static constexpr uint32_t NARROW_BITS = 15; // of the columns of a part, beside the mark
+    static constexpr uint32_t ENOUGH_PARTS = 32, MOST_PARTS = 255;
 
     enum Kind : uint32_t { inner, fringe, border, kinds };
     // Rows of one kind in one part, one after the other.
@@ -135,13 +135,13 @@ private:
     struct Mark {
         uint32_t lower, upper;
     };
-    static constexpr uint32_t rows_of_mark = 32;
+    static constexpr uint32_t ROWS_OF_MARK = 32;
 
     struct Order;
     struct Before;
     template <class Column>
     struct Side;
-    static constexpr uint32_t no_room = 255; // that many groups of a row, or more
+    static constexpr uint32_t NO_ROOM = 255; // that many groups of a row, or more
 
     const Segment& segment(uint32_t part, Kind kind) const { return segment_.data()[kinds * part + kind]; }
     uint32_t base(uint32_t part) const { return part << shift_; } // of narrow columns

@@ -46,7 +46,7 @@ struct DoubleKeys {
 
 // Room for the largest bucket.
 struct Bucket {
-    static constexpr uint32_t few = 32; // sides that are compared with each other, without sorting
+    static constexpr uint32_t FEW = 32; // sides that are compared with each other, without sorting
     uint32_t *key, *place;
     uint64_t* pair; // the second side of an edge, and below it the first one, by their numbers in it
     uint32_t size, pairs;
@@ -60,19 +60,19 @@ struct Bucket {
     // Pairs in the order of their second sides.  Returns the first side that is a third one, or NONE.
     uint32_t match() {
         pairs = 0;
-        if (size > few) return match_sorted();
+        if (size > FEW) return match_sorted();
         // Which sides are second ones cannot be predicted, so no branch depends on it: what is written for
         // the others is overwritten.
-        uint8_t is_second[few + 1]; // and a place for a side that is alone so far
-        is_second[few] = 0;
+        uint8_t is_second[FEW + 1]; // and a place for a side that is alone so far
+        is_second[FEW] = 0;
         uint32_t third = NONE;
         for (uint32_t n = 0; n < size; ++n) {
-            uint32_t same = few;
+            uint32_t same = FEW;
             for (uint32_t m = 0; m < n; ++m) same = key[m] == key[n] ? m : same;
             if (is_second[same]) third = std::min(third, n);
-            is_second[n] = same != few;
+            is_second[n] = same != FEW;
             pair[pairs] = uint64_t{n} << 32 | same;
-            pairs += same != few;
+            pairs += same != FEW;
         }
         return third;
     }
@@ -155,8 +155,8 @@ public:
     }
 
 private:
-    static constexpr uint32_t most_blocks = 64, smallest_shift = 12;
-    static constexpr uint32_t largest_shared = 512; // degree; with larger ones buckets for each slot could be huge
+    static constexpr uint32_t MOST_BLOCKS = 64, SMALLEST_SHIFT = 12;
+    static constexpr uint32_t LARGEST_SHARED = 512; // degree; with larger ones buckets for each slot could be huge
 
     template <class F>
     void each_block(F f) {
@@ -183,8 +183,8 @@ private:
 
     void cut() {
         // One thread needs no blocks.
-        shift_ = call_.parallel.slots() > 1 ? smallest_shift : 31;
-        while ((mesh_.vertex_count - 1) >> shift_ >= most_blocks) ++shift_;
+        shift_ = call_.parallel.slots() > 1 ? SMALLEST_SHIFT : 31;
+        while ((mesh_.vertex_count - 1) >> shift_ >= MOST_BLOCKS) ++shift_;
         block_count_ = ((mesh_.vertex_count - 1) >> shift_) + 1;
         uint32_t face = 0;
         for (uint32_t k = 0; k < block_count_; ++k) {
@@ -261,7 +261,7 @@ private:
                                                                 return here;
                                                             })
                                        .degree};
-        const Parallel parallel = room <= 2 * largest_shared ? call_.parallel : Parallel();
+        const Parallel parallel = room <= 2 * LARGEST_SHARED ? call_.parallel : Parallel();
         Array<uint32_t> sides;
         Array<uint64_t> pairs;
         if (!sides.allocate(call_.memory, 2 * room * parallel.slots())
@@ -441,7 +441,7 @@ private:
     // Lists in arrays that are filled later: of sides that wait, by face, each with its higher vertex and the
     // next one (mesh.out has the first); of listed faces and crossing edges, by block.
     uint32_t *const waiting_high_, *const waiting_next_, *const listed_, *const crossing_;
-    Block blocks_[most_blocks];
+    Block blocks_[MOST_BLOCKS];
     uint32_t shift_ = 0, block_count_ = 0;
 };
 

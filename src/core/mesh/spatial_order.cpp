@@ -161,27 +161,27 @@ class TriangleSort {
 public:
     TriangleSort(const uint32_t* sides, size_t triangle_count, size_t vertex_count) :
         sides_(sides), triangles_(triangle_count), vertices_(vertex_count) {
-        while ((vertex_count - 1) >> shift_ >= most_blocks) ++shift_;
-        part_size_ = std::max(Parallel::smallest, (triangle_count + most_parts - 1) / most_parts);
+        while ((vertex_count - 1) >> shift_ >= MOST_BLOCKS) ++shift_;
+        part_size_ = std::max(Parallel::SMALLEST, (triangle_count + MOST_PARTS - 1) / MOST_PARTS);
     }
 
     hmf_status run(Array<uint32_t>& words, Call& call) {
         if (!list_.allocate(call.memory, triangles_) || !begin_.allocate(call.memory, vertices_)
-            || !count_.allocate(call.memory, most_parts * most_blocks))
+            || !count_.allocate(call.memory, MOST_PARTS * MOST_BLOCKS))
             return call.out_of_memory();
         const Parallel& parallel = call.parallel;
         parallel.for_blocks(triangles_, part_size_, [&](size_t first, size_t end) { count(first, end); });
-        uint32_t total = 0, block_begin[most_blocks + 1];
-        for (size_t block = 0; block < most_blocks; ++block) {
+        uint32_t total = 0, block_begin[MOST_BLOCKS + 1];
+        for (size_t block = 0; block < MOST_BLOCKS; ++block) {
             block_begin[block] = total;
             for (size_t part = 0; part * part_size_ < triangles_; ++part) {
-                uint32_t& at = count_[part * most_blocks + block];
+                uint32_t& at = count_[part * MOST_BLOCKS + block];
                 const uint32_t here = at;
                 at = total;
                 total += here;
             }
         }
-        block_begin[most_blocks] = total;
+        block_begin[MOST_BLOCKS] = total;
         if (!call.tick(0.03)) return HMF_CANCELLED;
         parallel.for_blocks(triangles_, part_size_, [&](size_t first, size_t end) { list(first, end); });
         if (!call.tick(0.035)) return HMF_CANCELLED;
@@ -192,7 +192,7 @@ public:
     }
 
 private:
-    static constexpr size_t most_parts = 16, most_blocks = 256;
+    static constexpr size_t MOST_PARTS = 16, MOST_BLOCKS = 256;
 
     uint32_t lowest(size_t triangle) const {
         const uint32_t* v = sides_ + 3 * triangle;
@@ -200,12 +200,12 @@ private:
         return std::min(v[2], low);
     }
     void count(size_t first, size_t end) {
-        uint32_t* const count = &count_[first / part_size_ * most_blocks];
-        std::memset(count, 0, most_blocks * sizeof(uint32_t));
+        uint32_t* const count = &count_[first / part_size_ * MOST_BLOCKS];
+        std::memset(count, 0, MOST_BLOCKS * sizeof(uint32_t));
         for (size_t t = first; t < end; ++t) ++count[lowest(t) >> shift_];
     }
     void list(size_t first, size_t end) {
-        uint32_t* const at = &count_[first / part_size_ * most_blocks];
+        uint32_t* const at = &count_[first / part_size_ * MOST_BLOCKS];
         for (size_t t = first; t < end; ++t) {
             const uint32_t low = lowest(t);
             list_[at[low >> shift_]++] = uint64_t{low} << 32 | t;

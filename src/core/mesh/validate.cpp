@@ -175,7 +175,7 @@ hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint3
     if (!call.pass(mesh.face_count, 0.14, mark)) return HMF_CANCELLED;
     // Edges that are new in each block, then in all blocks before it.
     const size_t size = Parallel::pass_block(mesh.face_count);
-    uint32_t before[Parallel::most_parts], sum = 0;
+    uint32_t before[Parallel::MOST_PARTS], sum = 0;
     call.parallel.for_blocks(mesh.face_count, size, [&](size_t begin, size_t end) {
         uint32_t here = 0;
         for (size_t side = 3 * begin; side < 3 * end; ++side) here += triangle_edges[side] & 1;

@@ -33,10 +33,10 @@ Done LevelWork::prepare() {
     const uint32_t coarser = state.level + 1 < h.level_count ? h.levels[state.level + 1].mesh.vertex_count : 0;
     if (!sweeps.prepare(state.foliation, rings, coarser, call)) return false;
     const uint32_t n = state.foliation.mesh.vertex_count;
-    star.budget = n < steering::tiny_level  ? steering::budget_on_tiny_level
-                : n < steering::small_level ? steering::budget_per_vertex * n
-                : n > steering::large_level ? steering::budget_on_large_level
-                                            : steering::search_budget;
+    star.budget = n < steering::TINY_LEVEL  ? steering::BUDGET_ON_TINY_LEVEL
+                : n < steering::SMALL_LEVEL ? steering::BUDGET_PER_VERTEX * n
+                : n > steering::LARGE_LEVEL ? steering::BUDGET_ON_LARGE_LEVEL
+                                            : steering::SEARCH_BUDGET;
     return true;
 }
 
@@ -60,9 +60,9 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
     uint32_t without_move = 0; // sweeps without a move, one after the other
     for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
         SweepResult result;
-        if (n >= steering::small_level) work.star.credit = steering::credit_per_vertex * uint64_t{n};
+        if (n >= steering::SMALL_LEVEL) work.star.credit = steering::CREDIT_PER_VERTEX * uint64_t{n};
         // The number of sweeps is not known; the fraction tends to 1.
-        const double fraction = 1 - 1 / (1 + static_cast<double>(iteration) / steering::sweeps_of_half_progress);
+        const double fraction = 1 - 1 / (1 + static_cast<double>(iteration) / steering::SWEEPS_OF_HALF_PROGRESS);
         work.sweeps.sweep(f, work.rings, work.level.weight, iteration % 2 == 1, work.star, result, work.call, fraction);
         ++work.statistics.iterations;
         D += result.energy_change;
@@ -76,10 +76,10 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
             without_move = result.moves == 0 ? without_move + 1 : 0;
-            if (without_move == steering::sweeps_without_move) {
+            if (without_move == steering::SWEEPS_WITHOUT_MOVE) {
                 // The remaining steps are smaller than a unit: a finer unit, as far as doubles distinguish pulls, then
                 // fractions.
-                const double told_apart = std::max(wanted, steering::end_of_doubles);
+                const double told_apart = std::max(wanted, steering::END_OF_DOUBLES);
                 if (!work.refine_unit(told_apart).changed) return end_beyond_rounding(work, wanted);
                 D = energy(f, work.level.weight);
                 without_move = 0;
@@ -131,7 +131,7 @@ UnitChange LevelWork::refine_unit(double residual) {
     // Heights are no values of an edge: on a fine mesh they can be much larger.
     int64_t highest = 0;
     if (guard) highest = guard->reference.largest_height() * static_cast<int64_t>(guard->unit / recorder.unit());
-    while (bits > 0 && highest > largest_height >> bits) --bits;
+    while (bits > 0 && highest > LARGEST_HEIGHT >> bits) --bits;
     // Exact, as the factor is a power of two.
     const int64_t factor = int64_t{1} << bits;
     for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;

@@ -80,18 +80,18 @@ public:
 
     // Moves at the vertices within some rings of the zeros.
     void relax_after_step(bool far) {
-        pick_near_zeros(far ? steering::far_rings : steering::near_rings);
-        const size_t n = f_.mesh.vertex_count, most = size_t{steering::moves_per_vertex} * n / (picked_.size() + 1);
-        const size_t wanted = far ? steering::far_passes : steering::near_passes;
+        pick_near_zeros(far ? steering::FAR_RINGS : steering::NEAR_RINGS);
+        const size_t n = f_.mesh.vertex_count, most = size_t{steering::MOVES_PER_VERTEX} * n / (picked_.size() + 1);
+        const size_t wanted = far ? steering::FAR_PASSES : steering::NEAR_PASSES;
         // Not on a double, where what fades along a strip is found by these moves (test_weight_search.cpp).
         zeros_everywhere_ = !w_.state.hierarchy->is_double()
-                         && static_cast<double>(picked_.size()) > steering::everywhere * static_cast<double>(n);
-        const size_t passes = zeros_everywhere_ ? steering::least_passes
-                                                : std::min(wanted, std::max(size_t{steering::least_passes}, most));
+                         && static_cast<double>(picked_.size()) > steering::EVERYWHERE * static_cast<double>(n);
+        const size_t passes = zeros_everywhere_ ? steering::LEAST_PASSES
+                                                : std::min(wanted, std::max(size_t{steering::LEAST_PASSES}, most));
         // The last pass in which a vertex has a reason to move; NONE: not picked.
         Array<uint32_t>& due = distance_;
         for (uint32_t v : picked_) due[v] = 0;
-        const double negligible = steering::negligible_move * model_.residual_max;
+        const double negligible = steering::NEGLIGIBLE_MOVE * model_.residual_max;
         for (uint32_t pass = 0; pass < passes && w_.go_on(); ++pass)
             for (size_t i = 0; i < picked_.size(); ++i) {
                 const uint32_t v = picked_[pass % 2 ? picked_.size() - 1 - i : i];
@@ -121,9 +121,9 @@ public:
     // Steps to the minimum itself, whatever the residual: the remaining error is the rounding to the unit.
     hmf_status step_precisely() {
         Effort effort{};
-        effort.loose = effort.tight = steering::precise_accuracy;
+        effort.loose = effort.tight = steering::PRECISE_ACCURACY;
         effort.close = effort.go_on = checked_ = true;
-        for (uint32_t i = 0; i < steering::precise_steps; ++i) {
+        for (uint32_t i = 0; i < steering::PRECISE_STEPS; ++i) {
             if (!linearize()) return interrupted(w_.call);
             double accepted = 0;
             bool tight = false;
@@ -145,7 +145,7 @@ public:
             }
         const size_t most = static_cast<size_t>(share * model_.count);
         if (picked_.size() > most) return false;
-        grow_picked(steering::part_rings);
+        grow_picked(steering::PART_RINGS);
         return picked_.size() <= most;
     }
 
@@ -208,9 +208,9 @@ private:
         tight = model_.is_exact();
         // On limbs that no loop goes around, the values decay below the error of a loose solve. The solve is then
         // continued as long as this reduces the number of extrema.
-        const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::few_extrema_on_double : 0;
+        const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::FEW_EXTREMA_ON_DOUBLE : 0;
         uint64_t had = UINT64_MAX;
-        for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
+        for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::CONTINUED) {
             if (!solve_linear(accuracy, effort.residual)) return false;
             if (had != UINT64_MAX) step_.restore(); // else they are there
             std::memcpy(unbounded_.data(), model_.d.data(), model_.count * sizeof(double));
@@ -233,7 +233,7 @@ private:
                 set_bounded_values();
                 extrema = step_.find_candidates();
             }
-            if (extrema <= few_extrema || extrema >= had || accuracy < steering::end_of_doubles) return true;
+            if (extrema <= few_extrema || extrema >= had || accuracy < steering::END_OF_DOUBLES) return true;
             had = extrema;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
             std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
@@ -264,10 +264,10 @@ private:
         // neighborhood stays as it is.  If the energy rises, the bounds hold back too much: the others
         // are solved for once more, and again while it rises less.  If nothing helps, all take a shorter step.
         double factor = 1, rise = 0;
-        uint32_t radius = steering::first_rings_held, solves = 0;
+        uint32_t radius = steering::FIRST_RINGS_HELD, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
         if (unchecked) lengthen(w_.options.unchecked);
-        for (uint32_t attempt = 0; attempt < steering::attempts && factor > steering::least_factor; ++attempt) {
+        for (uint32_t attempt = 0; attempt < steering::STEP_ATTEMPTS && factor > steering::LEAST_FACTOR; ++attempt) {
             step_.forget_too_far();
             if (attempt > 0) {
                 bounds_met_ = UINT64_MAX; // some are held
@@ -279,7 +279,7 @@ private:
             const bool valid = step_.remove_extrema(factor, patch_) && (unchecked || step_.zeros_are_in_place());
             if (!w_.go_on()) return interrupted(w_.call);
             if (valid) energy_change_ = step_.energy_change();
-            if (valid && (unchecked || energy_change_ <= steering::rounding_of_energy * model_.energy)) {
+            if (valid && (unchecked || energy_change_ <= steering::ROUNDING_OF_ENERGY * model_.energy)) {
                 bool kept = true;
                 if (w_.gated) {
                     if (const hmf_status status = w_.guard->certify(w_.state, w_.recorder.unit(), w_.call))
@@ -303,16 +303,16 @@ private:
                 if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
             } else if (valid && !part_step_
-                       && (solves < steering::solves_of_a_step || energy_change_ < steering::rise_gets_less * rise)
-                       && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
+                       && (solves < steering::SOLVES_OF_A_STEP || energy_change_ < steering::RISE_GETS_LESS * rise)
+                       && (effort.close || energy_change_ < steering::CURABLE_RISE * model_.energy)) {
                 ++solves;
                 rise = energy_change_;
                 ++w_.statistics.linear_solves;
                 // Far from the minimum this model does not last, and the setup is for one without these bounds.
-                const double accuracy = effort.close ? effort.tight : steering::first_accuracy;
+                const double accuracy = effort.close ? effort.tight : steering::FIRST_ACCURACY;
                 if (!solve_between_bounds(accuracy, effort.residual)) return interrupted(w_.call);
-            } else if (step_.too_far() != NONE && attempt < steering::mending_attempts) {
-                if ((attempt + 1) % steering::widen_every == 0) ++radius;
+            } else if (step_.too_far() != NONE && attempt < steering::MENDING_ATTEMPTS) {
+                if ((attempt + 1) % steering::WIDEN_EVERY == 0) ++radius;
                 // Where the certificate judges, zeros may move: there one place at a time is held.
                 if (w_.gated || unchecked) picked_.clear();
                 picked_.add(step_.too_far());
@@ -330,7 +330,7 @@ private:
     Done fix_overturned(bool& any) {
         Array<uint32_t> held;
         held.start(w_.call.memory);
-        for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < steering::most_overturned; ++v) {
+        for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < steering::MOST_OVERTURNED; ++v) {
             const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
             const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
             // Runs between closed corners; the first one goes on at the end.
@@ -347,7 +347,7 @@ private:
             if (closed > 0) overturned |= !(here || first);
             if (overturned && !held.push(v)) return false;
         }
-        any = !held.empty() && held.size() < steering::most_overturned;
+        any = !held.empty() && held.size() < steering::MOST_OVERTURNED;
         if (!any) return true;
         model_.fix_around(f_, w_.rings, held, 1, patch_, distance_);
         return true;
@@ -368,7 +368,7 @@ private:
             for (size_t v = begin; v < end; ++v) sum += model_.changed[v];
             return sum;
         });
-        return static_cast<double>(rows) > steering::changed_share * static_cast<double>(model_.count);
+        return static_cast<double>(rows) > steering::CHANGED_SHARE * static_cast<double>(model_.count);
     }
 
     // Continues from model_.d.  The matrix of a level changes by signs near the
@@ -385,19 +385,19 @@ private:
             multigrid_.refresh(matrix, model_.changed.data(), w_.call.parallel);
             model_.forget_changes(w_.call.parallel);
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
-                                                         steering::iterations_with_old_setup, w_.call, options);
+                                                         steering::ITERATIONS_WITH_OLD_SETUP, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
             options.stop_if_too_slow = false;
         }
         multigrid_ready_ = false;
-        if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels))
+        if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::MAX_LEVELS))
             return false;
         multigrid_ready_ = true;
         model_.forget_changes(w_.call.parallel);
         const LinearResult result = multigrid_.solve(
             matrix, model_.right.data(), model_.d.data(), accuracy,
-            smooth_only_ ? steering::iterations_with_smoother : steering::iterations_with_new_setup, w_.call, options);
+            smooth_only_ ? steering::ITERATIONS_WITH_SMOOTHER : steering::ITERATIONS_WITH_NEW_SETUP, w_.call, options);
         if (w_.call.cancelled() || w_.call.finishing()) return false;
         if (smooth_only_ || !failed(result, accuracy)) return true;
         direct_ = true;
@@ -405,8 +405,8 @@ private:
     }
 
     bool failed(const LinearResult& result, double accuracy) const {
-        return !result.converged && result.residual > steering::failed_residual
-            && result.residual > steering::failed_share * accuracy && !w_.call.out_of_time();
+        return !result.converged && result.residual > steering::FAILED_RESIDUAL
+            && result.residual > steering::FAILED_SHARE * accuracy && !w_.call.out_of_time();
     }
 
     // Where the multigrid fails.  held: all unknowns but those that are.
@@ -416,14 +416,14 @@ private:
         for (size_t k = 0; held && k < model_.at_bounds.size(); ++k) distance_[model_.at_bounds[k]] = NONE;
         multigrid_.release_vectors();
         const bool done = part_.extract(model_, distance_, Solver::direct, w_.call)
-                       && part_.solve(model_, steering::tightest, w_.call);
+                       && part_.solve(model_, steering::TIGHTEST, w_.call);
         part_.release();
         return done;
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
     Done solve_between_bounds(double accuracy, double residual) {
-        for (uint32_t pass = 0; pass < steering::passes_between_bounds; ++pass) {
+        for (uint32_t pass = 0; pass < steering::PASSES_BETWEEN_BOUNDS; ++pass) {
             model_.fix_active();
             LinearResult result;
             if (!direct_) {
@@ -432,7 +432,7 @@ private:
                 options.fixed_count = model_.at_bounds.size();
                 if (!multigrid_.claim_vectors(w_.call.memory)) return false;
                 result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
-                                          steering::iterations_between_bounds, w_.call, options);
+                                          steering::ITERATIONS_BETWEEN_BOUNDS, w_.call, options);
                 w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
                 if (w_.call.cancelled() || w_.call.finishing()) return false;
             }
@@ -448,7 +448,7 @@ private:
     bool zeros_stay() {
         model_.fix_active();
         for (uint32_t v : model_.at_bounds)
-            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > steering::balanced_share) return false;
+            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > steering::BALANCED_SHARE) return false;
         return true;
     }
 
@@ -474,8 +474,8 @@ private:
 
 // A coarsest level ends early where zeros are nearly everywhere, or known to be in place.
 bool is_good_start(const LevelPolicy& plan, const Newton& newton, double residual) {
-    return (plan.is_long_coarsest() && newton.zeros_are_everywhere() && residual <= steering::coarsest_residual_of_many)
-        || (plan.cheap && newton.was_within_bounds() && residual <= steering::coarsest_residual_in_place);
+    return (plan.is_long_coarsest() && newton.zeros_are_everywhere() && residual <= steering::COARSEST_RESIDUAL_OF_MANY)
+        || (plan.cheap && newton.was_within_bounds() && residual <= steering::COARSEST_RESIDUAL_IN_PLACE);
 }
 
 // For the whole level, or a part of it.
@@ -484,8 +484,8 @@ Effort next_effort(const LevelWork& work, const LevelPolicy& plan, Newton& newto
     Effort effort = effort_for(round, residual, plan.goal, plan.finest);
     if (plan.finest && !work.gated && parts.are_worth_it(round, residual))
         effort.part =
-            newton.is_in_part(std::max(steering::part_residual * residual, 0.5 * plan.goal),
-                              round < steering::early_part_rounds ? steering::early_part_share : steering::part_share);
+            newton.is_in_part(std::max(steering::PART_RESIDUAL * residual, 0.5 * plan.goal),
+                              round < steering::EARLY_PART_ROUNDS ? steering::EARLY_PART_SHARE : steering::PART_SHARE);
     parts.next(effort.part);
     return effort.part ? effort_for_part(effort) : effort;
 }
@@ -498,13 +498,13 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     const double goal = plan.goal;
     Newton newton(work, plan.smooth_only);
     if (!newton.allocate()) return work.call.out_of_memory();
-    newton.sweeps(plan.coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
+    newton.sweeps(plan.coarsest ? steering::COARSEST_SWEEPS : steering::FINER_SWEEPS);
     if (plan.sweep_only) return work.call.cancelled() || work.call.finishing() ? HMF_CANCELLED : HMF_OK;
     StallDetector progress;
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     UnitRefinement unit{!finest};
     LocalSteps parts;
-    uint32_t stalls_left = work.options.unchecked > 0 ? 0 : steering::stalls;
+    uint32_t stalls_left = work.options.unchecked > 0 ? 0 : steering::STALLS;
     bool moves_wait = false, zeros_moved = false;
     uint32_t failed = 0;   // steps in a row that were not taken whole
     double tight_from = 0; // the residual before a tight step of the whole level within all bounds
@@ -513,25 +513,25 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const TwistedModel& model = newton.model();
         // After a step that was solved for to the end moves are made only if it has not reached the goal.
         if (moves_wait && model.residual_max > goal) {
-            newton.relax_after_step(finest && round > steering::far_after + 1);
-            if (round > steering::late_after_tight + 1) newton.sweeps(steering::late_sweeps);
+            newton.relax_after_step(finest && round > steering::FAR_AFTER + 1);
+            if (round > steering::LATE_AFTER_TIGHT + 1) newton.sweeps(steering::LATE_SWEEPS);
             if (!newton.linearize()) return interrupted(work.call);
         }
         moves_wait = false;
         // Such a step should have left little of it.
-        if (tight_from > 0 && model.residual_max > steering::less_residual * tight_from) newton.check_solves();
+        if (tight_from > 0 && model.residual_max > steering::LESS_RESIDUAL * tight_from) newton.check_solves();
         tight_from = 0;
         if (work.call.finishing()) return HMF_CANCELLED;
         // The first step of a level needs no reason but on the last level.
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
-        if (plan.next_to_double && residual < steering::double_residual) return HMF_OK;
+        if (plan.next_to_double && residual < steering::DOUBLE_RESIDUAL) return HMF_OK;
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
         if (residual <= goal || is_good_start(plan, newton, residual)) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
             if (work.guard && !newton.hand_over(work.guard->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
-        const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::patience_with_zeros) : unit.patience;
+        const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::PATIENCE_WITH_ZEROS) : unit.patience;
         if (!parts.in_a_row && !progress.goes_on(residual, model.energy, patience)) {
             if (finest && unit.is_refined(work, goal, progress)) continue;
             if (!finest) return HMF_OK;
@@ -545,14 +545,14 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         }
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         if (steps_left == 0) return HMF_LIMIT_ITERATIONS;
-        if (round >= steering::rounds_before_finer && residual < steering::close_residual
+        if (round >= steering::ROUNDS_BEFORE_FINER && residual < steering::CLOSE_RESIDUAL
             && unit.is_refined(work, goal, progress))
             continue;
         --steps_left;
         double accepted = 0;
         bool tight = false;
         Effort effort = next_effort(work, plan, newton, parts, round, residual);
-        effort.close |= failed >= steering::failures;
+        effort.close |= failed >= steering::FAILURES;
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
         failed = accepted < 1 ? failed + 1 : 0;
         zeros_moved = accepted == 1 && !newton.was_within_bounds();
@@ -564,11 +564,11 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         moves_wait = accepted == 1 && tight && !plan.middle;
         if (moves_wait && newton.was_within_bounds()) tight_from = residual;
         if (moves_wait) continue;
-        newton.relax_after_step(finest && round > steering::far_after);
+        newton.relax_after_step(finest && round > steering::FAR_AFTER);
         if (accepted == 1 && plan.middle && !(plan.next_to_double && round == 0) && !newton.limbs_were_wrong())
             return HMF_OK; // it only provides a start
-        if (accepted < 1) newton.sweeps(steering::sweeps_after_short_step);
-        else if (round > steering::late_after) newton.sweeps(steering::late_sweeps);
+        if (accepted < 1) newton.sweeps(steering::SWEEPS_AFTER_SHORT_STEP);
+        else if (round > steering::LATE_AFTER) newton.sweeps(steering::LATE_SWEEPS);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     if (!finest) return HMF_OK;

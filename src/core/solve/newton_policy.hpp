@@ -26,18 +26,18 @@ class StallDetector {
 public:
     // False: no progress for `patience` rounds.
     bool goes_on(double residual, double energy, uint32_t patience);
-    void forget_least() { least_residual_ = least_energy_ = none; }
+    void forget_least() { least_residual_ = least_energy_ = NONE; }
 
 private:
-    static constexpr double none = 1e300;
-    double least_residual_ = none, least_energy_ = none;
+    static constexpr double NONE = 1e300;
+    double least_residual_ = NONE, least_energy_ = NONE;
     uint32_t without_ = 0;
 };
 
 // Tests once per level whether convergence is limited by quantization.
 struct UnitRefinement {
     bool known;
-    uint32_t patience = steering::patience; // less where the unit cannot be as fine as it should
+    uint32_t patience = steering::PATIENCE; // less where the unit cannot be as fine as it should
 
     bool is_refined(LevelWork& work, double goal, StallDetector& progress);
 };

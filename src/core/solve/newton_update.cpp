@@ -19,7 +19,7 @@ void NewtonUpdate::restore() { call_.parallel.copy(f_.value, before_.data(), f_.
 // Bounds are integers, so rounding does not leave them; those that a double does not hold are looked up.
 int64_t NewtonUpdate::rounded(uint32_t k, double factor) const {
     const double x = model_.d[k] * factor;
-    if (!(x > -largest_step && x < largest_step)) return 0;
+    if (!(x > -LARGEST_STEP && x < LARGEST_STEP)) return 0;
     if (factor == 1 && model_.at_bound(k)) return model_.bound_at(k);
     return static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
 }
@@ -93,7 +93,7 @@ uint64_t NewtonUpdate::find_candidates() {
         uint64_t extrema = 0;
     };
     const size_t n = f_.mesh.vertex_count, size = Parallel::pass_block(n);
-    Found found[Parallel::most_parts];
+    Found found[Parallel::MOST_PARTS];
     uint32_t* const list = candidate_.data(); // room for all
     call_.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         Found here;
@@ -163,7 +163,7 @@ void NewtonUpdate::relax_extrema(Array<uint32_t>& patch) {
     patch.clear();
     for (uint32_t v : candidate_)
         if (shape(v) == Shape::extremum) patch.add(v);
-    for (uint32_t round = 0; round < steering::rounds_for_extrema && !patch.empty(); ++round) {
+    for (uint32_t round = 0; round < steering::ROUNDS_FOR_EXTREMA && !patch.empty(); ++round) {
         const size_t had = patch.size();
         for (size_t i = 0; i < had; ++i) {
             const uint32_t v = patch[i];

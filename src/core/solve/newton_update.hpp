@@ -62,7 +62,7 @@ private:
     void relax_extrema(Array<uint32_t>& patch);
 
     // Two steps and a value, and two of these sums, have no more than 63 bits.
-    static constexpr double largest_step = 2 * static_cast<double>(largest_inner_value);
+    static constexpr double LARGEST_STEP = 2 * static_cast<double>(LARGEST_INNER_VALUE);
 
     LevelWork& work_;
     Foliation& f_;

@@ -9,9 +9,9 @@ namespace hmf {
 
 // A value of an edge while it is solved for.  Sums of two and steps of twice as much
 // leave a bit in an int64_t.  What leaves has to fit into a double: coarser_unit.hpp.
-constexpr int64_t largest_inner_value = int64_t{1} << 59;
+constexpr int64_t LARGEST_INNER_VALUE = int64_t{1} << 59;
 // The height of a cylinder; leaves are counted in half units.
-constexpr int64_t largest_height = int64_t{1} << 60;
+constexpr int64_t LARGEST_HEIGHT = int64_t{1} << 60;
 
 // The options of the caller with their defaults, available in every stage, and options of the library itself.
 struct SolveOptions : hmf_solve_options {

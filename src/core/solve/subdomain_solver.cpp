@@ -93,7 +93,7 @@ Done SubdomainSolver::extract(const TwistedModel& model, Array<uint32_t>& number
 
 Done SubdomainSolver::solve(TwistedModel& model, double accuracy, Call& call) {
     if (factor_.empty())
-        multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
+        multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::ITERATIONS_WITH_NEW_SETUP, call);
     else if (!factor_.solve(right_.data(), d_.data(), call.memory)) return false;
     for (uint32_t i = 0; i < d_.size(); ++i)
         for (uint32_t m = first_[i]; m < first_[i + 1]; ++m) model.d[vertex_[m]] = d_[i];

@@ -194,15 +194,15 @@ Done TwistedModel::linearize(Foliation& f, const Rings& rings, const double* wei
     if (!call.tick(0, true)) return false;
     // Nearly all are regular.  The others are listed by each block where it lies, and follow in order.
     const size_t size = Parallel::pass_block(n);
-    uint32_t listed[Parallel::most_parts];
+    uint32_t listed[Parallel::MOST_PARTS];
     uint32_t* const list = at_bounds.data(); // room for all, not in use now
-    Residuals part[Parallel::most_parts], residuals;
+    Residuals part[Parallel::MOST_PARTS], residuals;
     call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         Residuals here;
         uint32_t others = 0;
         for (size_t i = begin; i < end; ++i) {
             const uint32_t v = static_cast<uint32_t>(i);
-            if (n - v > Rings::ahead) rings.prefetch_star(f.value, weight, v + Rings::ahead);
+            if (n - v > Rings::AHEAD) rings.prefetch_star(f.value, weight, v + Rings::AHEAD);
             if (rings.is(v, Monogons::HOST) || !look_at_plain_vertex(f, rings, weight, v, floor, Kind::regular, here))
                 list[begin + others++] = v;
         }

@@ -200,7 +200,7 @@ TEST(SweepTask, TakesNoMoreAlongThanItHasRoomFor) {
         ASSERT_TRUE(relax_vertex(whole.f, whole.rings, whole.weight.data(), whole.base, whole.star, result));
         const Values before = task.values;
         const bool moved = relax_vertex(shared, task.rings, task.weight.data(), task.base, task.star, result);
-        EXPECT_EQ(moved, first + second <= Foliation::most_inside);
+        EXPECT_EQ(moved, first + second <= Foliation::MOST_INSIDE);
         EXPECT_EQ(shared.outside, !moved);
         EXPECT_EQ(task.values, moved ? whole.values : before);
     }

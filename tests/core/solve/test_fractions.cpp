@@ -81,7 +81,7 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
         return model.sign[h] * static_cast<int64_t>(std::floor(finer * part[mesh.origin[h]] + 0.5));
     };
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        EXPECT_LE(f.value[e], hmf::largest_inner_value);
+        EXPECT_LE(f.value[e], hmf::LARGEST_INNER_VALUE);
         f.value[e] = std::abs(finer * f.value[e] - place(2 * e) - place(2 * e + 1));
     }
     const hmf::SingularityCount after = hmf::count_singularities(f);
