@@ -110,7 +110,7 @@ int main(int count, char** arguments) {
             double other = value * factor;
             if (!n.real) other = factor < 1 ? double(size_t(value / 2)) : value * 2;
             if (!n.real && other == value) continue;
-            if (!n.real && std::strstr(n.name, "every") && other < 1) continue;
+            if (!n.real && std::strstr(n.name, "EVERY") && other < 1) continue;
             std::vector<double> least_chosen, least_tried;
             for (int turn = 0; turn < 2; ++turn) {
                 set(n, value);

@@ -72,7 +72,8 @@ int demo_command(const Words& words, const Describe* help) {
     std::string folder = "./hmf-demo";
     Options options = {Option{"DIR", &folder, "", "output folder"}.or_default()};
     if (help) {
-        (*help)(options, "demo", "Makes the built-in sample, solves it, writes every output.");
+        (*help)(options, "demo",
+                "Makes a sample mesh, solves it, and writes pictures, leaves, quads and other results.");
         return EXIT_SOLVED;
     }
     parse(options, words, "demo");
@@ -117,7 +118,7 @@ struct Command {
     int (*run)(const Words& words, const Describe* help);
 };
 const Command commands[] = {
-    {"demo", "make the built-in sample, solve it, write every output", demo_command},
+    {"demo", "make a sample mesh, solve it, write pictures, leaves, quads", demo_command},
     {"info", "validate a mesh; counts, genus, quality", info_command},
     {"solve", "compute the harmonic foliation in the class of the loops", solve_command},
     {"quads", "make a quad mesh", quads_command},

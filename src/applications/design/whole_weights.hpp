@@ -18,17 +18,17 @@ constexpr double LARGEST_WEIGHT_RATIO = 4096;
 template <class Measure>
 hmf_status to_whole_numbers(double exact, double across, Call& call, Array<double>& weights, double& unevenness,
                             Measure measure) {
-    constexpr double STRIPES = 44; // along the diagonal of the box
-    constexpr double STRETCH[3] = {1, 0.87, 1.15};
+    constexpr double expected_stripes = 44; // along the diagonal of the box
+    constexpr double stretches[3] = {1, 0.87, 1.15};
     const double enough = 1.08 * exact + 0.01; // usually reached in the first round
-    constexpr int FINEST = 16;
+    constexpr int finest = 16;
     Array<double> rounded;
     if (!rounded.allocate(call.memory, weights.size())) return call.out_of_memory();
     double largest = 0, chosen = 0, least = HUGE_VAL;
     for (const double w : weights) largest = std::max(largest, w);
-    for (int finer = 1; finer <= FINEST && !(least < enough); finer *= 2)
-        for (const double stretch : STRETCH) {
-            const double unit = across * largest / STRIPES * stretch / finer;
+    for (int finer = 1; finer <= finest && !(least < enough); finer *= 2)
+        for (const double stretch : stretches) {
+            const double unit = across * largest / expected_stripes * stretch / finer;
             if (!(unit > 0) || largest / unit < 0.5 || largest / unit > LARGEST_WEIGHT_RATIO) continue;
             for (size_t c = 0; c < weights.size(); ++c) rounded[c] = std::floor(weights[c] / unit + 0.5);
             double now = HUGE_VAL;

@@ -132,11 +132,11 @@ void CylinderRows::points_of_row(const Ruler& row, double here, double* points) 
 // The turn of a row, as a part of its length, that brings it nearest to the row before; 0 where it is
 // within a few columns as it is.  Sizes are squared, of some columns.
 double CylinderRows::coarse_turn(const Ruler& row, const double* before, double here) const {
-    constexpr int64_t SAMPLES = 16, TURNS = 64;
-    constexpr double NEAR = 9, BETTER = 0.25; // squares of columns; of what there is without a turn
+    constexpr int64_t samples = 16, most_turns = 64;
+    constexpr double near_enough = 9, better_by = 0.25; // squares of columns; of what there is without a turn
     const int64_t n = static_cast<int64_t>(place_.size());
     const double round = row.v.back();
-    const auto column = [&](int64_t i) { return static_cast<size_t>(i % SAMPLES * n / SAMPLES); };
+    const auto column = [&](int64_t i) { return static_cast<size_t>(i % samples * n / samples); };
     const auto square_to = [](const double* a, const double* b) {
         double square = 0;
         for (int x = 0; x < 3; ++x) square += (a[x] - b[x]) * (a[x] - b[x]);
@@ -144,7 +144,7 @@ double CylinderRows::coarse_turn(const Ruler& row, const double* before, double 
     };
     const auto misfit = [&](double turn) {
         double sum = 0;
-        for (int64_t i = 0; i < SAMPLES; ++i) {
+        for (int64_t i = 0; i < samples; ++i) {
             double p[3];
             row.point(on_row(place_[column(i)], here - turn) * round, p);
             sum += square_to(p, &before[3 * column(i)]);
@@ -152,12 +152,12 @@ double CylinderRows::coarse_turn(const Ruler& row, const double* before, double 
         return sum;
     };
     double columns = 0;
-    for (int64_t i = 0; i < SAMPLES; ++i)
+    for (int64_t i = 0; i < samples; ++i)
         columns += square_to(&before[3 * column(i)], &before[3 * ((column(i) + 1) % place_.size())]);
     const double now = misfit(0);
-    double least = BETTER * now, best = 0;
-    for (int64_t t = 1; t < TURNS && now > NEAR * columns; ++t) {
-        const double turn = static_cast<double>(t) / static_cast<double>(TURNS), there = misfit(turn);
+    double least = better_by * now, best = 0;
+    for (int64_t t = 1; t < most_turns && now > near_enough * columns; ++t) {
+        const double turn = static_cast<double>(t) / static_cast<double>(most_turns), there = misfit(turn);
         if (there >= least) continue;
         least = there;
         best = turn;

@@ -53,13 +53,13 @@ uint32_t walk_along_line(const Mesh& mesh, const double* position, uint32_t h, c
 template <class Next>
 uint32_t slide_along_line(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
                           double* reached, const Next& next) {
-    constexpr int MOST_EDGES = 4096;
+    constexpr int most_edges = 4096;
     Point here = p;
     if (length < 0) {
         h = twin(h);
         length = -length;
     }
-    for (int k = 0; k < MOST_EDGES; ++k) {
+    for (int k = 0; k < most_edges; ++k) {
         const Point end = point(position, mesh.target(h)), way = end - here;
         const double left = std::sqrt(dot(way, way));
         if (length < left) {

@@ -118,9 +118,9 @@ struct Ruler {
 private:
     // The last one that begins at a value or below, or the first.  v does not fall.
     size_t find(double value, size_t near) const {
-        constexpr int MOST_STEPS = 8;
+        constexpr int most_steps = 8;
         const size_t last = v.size() > 1 ? v.size() - 2 : 0;
-        for (int steps = 0; steps < MOST_STEPS; ++steps) {
+        for (int steps = 0; steps < most_steps; ++steps) {
             if (near > 0 && !(v[near] <= value)) --near;
             else if (near < last && v[near + 1] <= value) ++near;
             else return near;

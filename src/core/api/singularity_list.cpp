@@ -24,14 +24,14 @@ struct Indices {
         if (!call.tick(0.3)) return call.was_cancelled();
         count_singularities(f, {at_vertex.data(), cluster.data(), size.data(), at_face.data()}, &call);
         if (!call.tick(0.5)) return call.was_cancelled();
-        internal_vertex = state.level == 0 ? h.vertex_internal : nullptr;
+        internal_vertex_ = state.level == 0 ? h.vertex_internal : nullptr;
         // From internal numbers to the caller's: the lowest vertex of a cluster may be another one.
         for (uint32_t v = n; v-- > 0;) lowest[cluster[internal(v)]] = v;
         for (uint32_t t = 0; t < m; ++t) face[t] = state.level == 0 ? internal_face(h, t) : t;
         return HMF_OK;
     }
 
-    uint32_t internal(uint32_t v) const { return internal_vertex ? internal_vertex[v] : v; }
+    uint32_t internal(uint32_t v) const { return internal_vertex_ ? internal_vertex_[v] : v; }
     // Index of the cluster whose lowest vertex is v, else 0.
     int32_t index_at(uint32_t v) const {
         const uint32_t c = cluster[internal(v)];
@@ -39,7 +39,7 @@ struct Indices {
     }
 
 private:
-    const uint32_t* internal_vertex = nullptr;
+    const uint32_t* internal_vertex_ = nullptr;
 };
 
 // Where singularities lie in space; a cluster at the mean of its vertices, or at the vertex nearest to that where there

@@ -527,8 +527,9 @@ hmf_status check_surface(hmf_hierarchy& hierarchy, const double* positions, size
 
 uint64_t coarsest_vertices(const BuildOptions& options, uint64_t genus, uint64_t vertex_count) {
     // The share is measured: bench/steering.md.
-    constexpr uint64_t SHARE = 16;
-    const uint64_t wanted = options.coarsest > 0 ? options.coarsest : std::min(vertex_count / SHARE, USUAL_COARSEST);
+    constexpr uint64_t least_share = 16;
+    const uint64_t wanted =
+        options.coarsest > 0 ? options.coarsest : std::min(vertex_count / least_share, USUAL_COARSEST);
     const uint64_t least = std::max<uint64_t>(40 * genus + 10 * options.marked_count, 4);
     return std::min<uint64_t>(std::max(wanted, least), NONE / 3);
 }
