@@ -2,7 +2,8 @@
 """The reference site: static pages made from the headers, the docstrings, the gallery and the texts of the repository.
 
     build_site.py FOLDER      needs mkdocs; FOLDER/index.html is the start; with cargo and npm also the pages of
-                              rustdoc and TypeDoc (HMF_SITE_API=0: without)
+                              rustdoc and TypeDoc (HMF_SITE_API=0: without); with the tool, HMF_TOOL or of a build,
+                              the page of its options
     build_site.py --check FOLDER   no dead link or picture in it
 
 Nothing is written twice: every page is a text of the repository, or is read out of the sources.
@@ -40,6 +41,7 @@ SITE = {
     ],
     "Reference": [
         ("All languages", "reference.md", None),
+        ("The tool, every option", "tool_options.md", None),
         ("C", "c.md", None),
         ("C++", "cpp.md", None),
         ("Python", "python.md", "bindings/python/README.md"),
@@ -218,15 +220,32 @@ def python_page(pages: Path) -> None:
                if isinstance(node, ast.ClassDef) and node.name.endswith("Options")]
     words = "\n".join(ast.get_docstring(node).split("\n\n", 1)[1] for node in options)
 
+    def fields(node: ast.ClassDef, lines: list[str]) -> str:
+        """A table of the fields of a class, with the words behind or above each."""
+        rows = []
+        for child in node.body:
+            if not isinstance(child, ast.AnnAssign) or ast.unparse(child.target).startswith("_"):
+                continue
+            words = re.findall(r"#: ?(.*)", lines[child.end_lineno - 1])
+            for line in reversed(lines[:child.lineno - 1] if not words else []):
+                if not (above := re.match(r"\s*#: ?(.*)", line)):
+                    break
+                words.insert(0, above[1])
+            cells = (f"`{ast.unparse(child.target)}`", f"`{ast.unparse(child.annotation)}`", " ".join(words))
+            rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n")
+        return "| field | type | |\n|---|---|---|\n" + "".join(rows) + "\n" if rows else ""
+
     def entry(level: int, node: ast.AST, prefix: str = "") -> None:
         doc = (ast.get_docstring(node) or "").replace("{options}", words)
         title = node.name if isinstance(node, ast.ClassDef) else f"{node.name}({ast.unparse(node.args)})"
         out.append(f"{'#' * level} {prefix}{node.name}\n\n```python\n{prefix}{title}\n```\n\n" + (f"```text\n{doc}\n```\n" if doc else ""))
         if isinstance(node, ast.ClassDef):
+            out.append(fields(node, lines))
             for child in node.body:
                 if isinstance(child, ast.FunctionDef) and not child.name.startswith("_") and ast.get_docstring(child):
                     entry(level + 1, child, f"{node.name}.")
     for path in sorted(package.glob("*.py")):
+        lines = path.read_text().splitlines()
         for node in ast.parse(path.read_text()).body:
             if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name in public:
                 entry(2, node)
@@ -246,6 +265,20 @@ def gallery_pages(pages: Path) -> None:
         image = f"![{doc.splitlines()[0]}](gallery_{picture.name})\n\n" if picture.is_file() else ""
         out.append(f"## {path.stem}\n\n{doc}\n\n{image}```python\n{source}```\n")
     (pages / "gallery.md").write_text("\n".join(out))
+
+
+def tool_page(pages: Path) -> None:
+    """The help of each command, from the tool itself."""
+    built = sorted((ROOT / "build").glob("*/hmf"), key=lambda path: path.stat().st_mtime)
+    tool = os.environ.get("HMF_TOOL") or (str(built[-1]) if built else shutil.which("hmf"))
+    out = ["# The tool, every option\n\n`hmf COMMAND --help` prints the same. How the options work together: [the tool](tool.md).\n"]
+    if not tool:
+        out.append("(The tool was not built for this copy of the site.)\n")
+    commands = re.findall(r"^  (\w+) ", subprocess.run([tool, "--help"], capture_output=True, text=True, check=True).stdout, re.M) if tool else []
+    for command in commands:
+        text = subprocess.run([tool, command, "--help"], capture_output=True, text=True, check=True).stdout
+        out.append(f"## hmf {command}\n\n```text\n{text}```\n")
+    (pages / "tool_options.md").write_text("\n".join(out))
 
 
 class NotMade(Exception):
@@ -305,6 +338,7 @@ def build(out: Path) -> None:
         reference_page(pages, functions)
         python_page(pages)
         gallery_pages(pages)
+        tool_page(pages)
         generated_pages(pages, Path(folder))
         (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n"
                                         # Pictures side by side have the same width.

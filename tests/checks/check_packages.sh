@@ -126,7 +126,9 @@ if command -v npm > /dev/null; then check npm npm_package; else skip npm "no npm
 
 # The reference site: every page is made from the sources, every link leads somewhere.
 site() {
-    "$work/site-venv/bin/python" "$root/docs/site/build_site.py" "$work/site" && "$work/site-venv/bin/python" "$root/docs/site/build_site.py" --check "$work/site"
+    "$work/site-venv/bin/python" "$root/docs/site/build_site.py" "$work/site" && "$work/site-venv/bin/python" "$root/docs/site/build_site.py" --check "$work/site" &&
+        grep -q '<td><code>class_state</code></td>' "$work/site/python_reference.html" &&
+        { [ ! -x "$root/build/release/hmf" ] || grep -q -e '--fill-holes' "$work/site/tool_options.html"; }
 }
 a_dead_link() {
     rm -rf "$work/dead"

@@ -7,6 +7,7 @@ is made.
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,10 @@ from scikit_build_core.build import build_sdist as _build_sdist
 _HERE = Path(__file__).resolve().parents[1]
 _ROOT = _HERE.parents[1]
 _CORE = ("CMakeLists.txt", "LICENSE", "include", "src", "bindings/cli", "bindings/readers")
+
+
+# make compiles one file at a time unless it is told otherwise; Ninja as many as there are processors.
+os.environ.setdefault("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
 
 
 def build_sdist(sdist_directory: str, config_settings: dict[str, Any] | None = None) -> str:
