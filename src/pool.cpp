@@ -1,10 +1,8 @@
 // The pool of hmf/pool.h: threads that sleep between two jobs.
 //
-// A job is one call of hmf_pool_run.  Its tasks are numbers that caller and
-// threads take from a counter; what counts the tasks that have ended lets the
-// caller go.  Jobs of one solve follow each other within microseconds, so a
-// thread looks for the next one for a short while before it sleeps, and the
-// caller waits in the same way.
+// A job is one call of hmf_pool_run.  Its tasks are numbers that caller and threads take from a counter; a second
+// counter, of the tasks that have ended, releases the caller. Jobs of one solve follow each other within microseconds,
+// so a thread spins for a short while before it sleeps, and so does the caller.
 #include "../include/hmf/pool.h"
 
 #include <atomic>
@@ -70,7 +68,7 @@ struct hmf_pool {
         take();
         for (uint32_t look = 0; look < 200 && outside.load(std::memory_order_acquire) > 0; ++look)
             std::this_thread::yield();
-        // Nobody joins from now on, and those inside leave.
+        // No thread joins from here on, and those inside leave.
         std::unique_lock<std::mutex> lock(mutex);
         job.fetch_add(1, std::memory_order_release);
         done.wait(lock, [&] { return inside == 0; });

@@ -109,8 +109,8 @@ private:
         const double side = packer_.side();
         for_corners(t, [&](uint32_t h) {
             const double x = static_cast<double>(grid_.x[h]), y = static_cast<double>(grid_.y[h]);
-            const double turned[4] = {x, -y, -x, y}; // x after so many quarter turns; y is one turn behind
-            // To whole units of the grid: what is joined stays joined.
+            const double turned[4] = {x, -y, -x, y}; // x after the given number of quarter turns; y is one turn behind
+            // To whole units of the grid, so that corners which coincide still do.
             out.uv[2 * size_t{h}] = (turned[place.turns] + std::floor(place.x)) / side;
             out.uv[2 * size_t{h} + 1] = (turned[(place.turns + 3) % 4] + std::floor(place.y)) / side;
         });

@@ -49,7 +49,7 @@ private:
     };
     struct Item {
         double x0, y0, x1, y1;
-        Profile side[4]; // after so many quarter turns
+        Profile side[4]; // after the given number of quarter turns
     };
     struct Arrangement {
         Array<uint32_t> order;

@@ -1,8 +1,7 @@
 // Measures of a cylinder at the minimum: circumference, modulus, area, and the loop of its class.
 //
-// Cylinders of the caller's side, of the side where the foliation is solved, and
-// loops are told apart by their free homotopy classes (curve_classes.hpp), with
-// marked vertices on the surface without them.
+// Cylinders of the caller's triangulation, of the intrinsic one, and loops are matched by their free homotopy classes
+// (curve_classes.hpp), on the surface without its marked vertices.
 #pragma once
 
 #include "../../../include/hmf/applications.h"

@@ -17,8 +17,8 @@ struct ConformalScale {
 
     // position: of a level, whose largest coordinate is from 1e-30 to 1e30: fourth powers neither overflow nor
     // underflow.  value: per
-    // edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest or less, that counts.
-    // A tripod has the gradient that its energy stands for.
+    // edge.  Reports to the call, if there is one.  |grad u| is at least 1e-7 of the largest. A tripod has the gradient
+    // that corresponds to its energy.
     Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory,
                  Call* call = nullptr);
 

@@ -48,8 +48,8 @@ public:
     // Of the last search: HUGE_VAL where it did not come.
     double distance(uint32_t v) const { return distance_[v]; }
 
-    // A disk around a vertex ends where it has so much of the area of the surface,
-    // or less than `shape` times the square of its radius: down a limb.
+    // A disk around a vertex ends when it has the given part of the area of the surface, or less than `shape` times the
+    // square of its radius, as it has along a limb.
     struct DiskLimit {
         uint32_t vertices; // at least
         double area, shape;

@@ -90,7 +90,7 @@ hmf_status loops_on_surface(const MarkedTrial& made, const Mesh& mesh, Call& cal
     return HMF_OK;
 }
 
-// Those with a weight.
+// The loops with a weight above 0.
 Done keep_loops(const Array<double>& weights, EvenDesign& out, Memory& memory) {
     Loops kept;
     out.weights.start(memory);

@@ -5,8 +5,7 @@
 //     F'_ij = F_ij + n_c(ij) dw - s_ij d_i - s_ji d_j      (twisted_model.hpp)
 //
 // and d minimizes the energy: one linear solve for each loop, all with the same
-// matrix.  What follows for the log scale of a triangle is exact but for the
-// zeros, which are fixed.
+// matrix.  The derivative of the log scale of a triangle is exact except near the zeros, which are fixed.
 #include "marked_trial.hpp"
 
 #include "../../core/base/nearest_first.hpp"
@@ -250,7 +249,7 @@ Done MarkedTrial::linearize(Linearized& at) {
     return !call_.cancelled() && at.multigrid.setup(at.model.matrix(), call_.memory, &call_);
 }
 
-// Those that are no tripods, which hold zeros.
+// Triangles that are no tripods, which contain zeros.
 Done MarkedTrial::list_smooth_triangles(Array<SmoothTriangle>& out) {
     const Foliation& f = state_.foliation;
     const Mesh &mesh = f.mesh, &input = h_.input;
@@ -278,7 +277,7 @@ Done MarkedTrial::list_smooth_triangles(Array<SmoothTriangle>& out) {
     return true;
 }
 
-// at.change, where the weight grows of the cylinder whose leaf crosses these edges.
+// Sets at.change: the growth of the weight of the cylinder whose leaf crosses these edges.
 Done MarkedTrial::change_values(const uint32_t* crossed, size_t count, Linearized& at) {
     const Mesh& mesh = state_.foliation.mesh;
     const double* weight = h_.levels[0].weight;

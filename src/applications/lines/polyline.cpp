@@ -136,7 +136,7 @@ hmf_status Lines::add_leaf(const Crossing& start, hmf_line line) {
             for (int k = 0; k < 3; ++k) before[k] = point[k];
         }
         line.length += length;
-        if (way == 0) reverse(first); // so that the rest can follow
+        if (way == 0) reverse(first); // so that the others can follow
     }
     line.begin = line.end = HMF_END_LIMIT;
     return end_line(line) ? HMF_OK : call_.out_of_memory();
@@ -214,8 +214,8 @@ hmf_status Lines::add_arcs(const CriticalGraph& graph) {
 }
 
 Crossing Lines::place_of_point(uint32_t h, const double* barycentric) const {
-    // Distance from each corner in half units, where the leaf turns around it;
-    // the corner into whose part the point falls deepest.
+    // Distance from each corner in half units at which the leaf turns around it; the corner that the point is deepest
+    // in.
     double best = HUGE_VAL, best_at = 0;
     uint32_t corner = NONE;
     for (uint32_t s = 0; s < 3; ++s, h = f_.mesh.next[h]) {

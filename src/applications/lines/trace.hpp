@@ -6,8 +6,7 @@
 
 namespace hmf {
 
-// Of the foliation, whose cylinders are given.  side: half-edge of side 0 of
-// each triangle that points may lie in.
+// The cylinders are those of the foliation. side: half-edge of side 0 of each triangle that points may lie in.
 [[nodiscard]] hmf_status trace_leaves(const hmf_trace_options& all, const Array<uint32_t>& side, Cylinders& cylinders,
                                       Lines& made, Call& call);
 

@@ -9,7 +9,7 @@ namespace hmf {
 class CellBorders {
 public:
     // is_border(s): the segment lies between two cells.  Its neighbors belong to the same border where they meet at
-    // a point with two such segments that is not is_end(p).  length(s): what the best one has least of.
+    // a point with two such segments that is not is_end(p).  length(s): the quantity that the best one minimizes.
     template <class IsBorder, class IsEnd, class Length>
     Done find(const CutSurface& cut, IsBorder is_border, IsEnd is_end, Length length, Memory& memory) {
         if (!border_.allocate_filled(memory, cut.segment_count, NONE)

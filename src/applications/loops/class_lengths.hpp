@@ -1,18 +1,18 @@
 // Lengths of the classes that loops are chosen from.
 //
 // A loop on the level where it was found is as long as its strip there;
-// what counts is the closed geodesic of its class on the surface.  So each class,
-// known by its name (curve_words.hpp), has its length, first as pulled
-// straight where it was found, and once it matters as measured on a fine level:
+// what counts is the closed geodesic of its class on the surface.  So each class, identified by its name
+// (curve_words.hpp), has a length: first that of the curve pulled straight where it was found and, if the choice
+// depends on it, as measured on a fine level:
 //
 //     found on a coarse level -> carried (carry_loops.hpp) -> pulled straight
 //
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
 // that are close even there are measured on the coarsest one that has 100 000, or
 // else on the mesh of the caller.  A surface with bumps has several closed geodesics
-// in a class: on the level where a loop was found those beside it are tried
-// (closed_geodesic.hpp), in classes that may be the shortest of those to choose from.  And other strips of the class
-// are pulled: the first ones, and after them those that are shorter than all before.
+// in a class: on the level where a loop was found, those beside it are tried (closed_geodesic.hpp) if the class may be
+// the shortest candidate. Other strips of the class are pulled as well: the first ones, and later ones that are shorter
+// than all earlier ones.
 //
 // Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
 // from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two

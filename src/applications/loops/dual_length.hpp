@@ -13,7 +13,7 @@ namespace hmf {
 class DualLength {
 public:
     // position: 3 per vertex.  ambiguous: factor for edges whose two faces share
-    // another edge; a loop of triangles does not say which of them it crosses.
+    // another edge; a loop of triangles does not determine which of them it crosses.
     DualLength(const Mesh& mesh, const double* position, double ambiguous = 1);
 
     // In units of the largest coordinate.

@@ -327,7 +327,7 @@ private:
         return true;
     }
 
-    // With the strips of the classes, pulled straight, if they meet no other loops, else with those that were found.
+    // Uses the pulled strips of the classes if they meet no other loops, otherwise the strips that were found.
     Done make(const Move& m, bool& done) {
         done = false;
         for (uint32_t found = 0; !done && found < (1u << m.count); ++found) {

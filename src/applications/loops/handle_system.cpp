@@ -2,8 +2,8 @@
 // outside of it (Dey, Li, Sun: On computing handle and tunnel loops, 2007).
 //
 //  1. A cut system and its partners are a basis x of the homology.
-//  2. They are carried to the mesh of the caller, the only one that is known
-//     to lie in space without meeting itself, and their Seifert matrix V is
+//  2. They are carried to the mesh of the caller, the only one that is known to be embedded in space, and their Seifert
+//  matrix V is
 //     computed there (linking.hpp).
 //  3. A loop c = sum c_i x_i bounds inside just if c V = 0.  Its intersection
 //     numbers y = c J with the basis are sums over the edges that it crosses,

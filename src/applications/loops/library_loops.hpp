@@ -7,7 +7,7 @@
 namespace hmf {
 
 // Where loops are searched for: the coarsest level with 1000 vertices and 420 for each handle, or with 10 000 from ten
-// handles on; not level 0, whose triangles may be of any shape, unless there is no other with 1000.
+// handles on; not level 0, whose triangles may have any shape, unless no other level has 1000.
 size_t search_level(const hmf_hierarchy& hierarchy);
 
 // Loops of a kind on a level.  They are found on search_level (if they need no

@@ -12,8 +12,8 @@
 //
 // A search bounds the loops through all regions that it reached: if
 // none through the root is shorter than L, none through a region at distance d
-// is shorter than L - 2 d.  Regions with a bound above the length looked for
-// are not entered.  Loops only get longer as the surface is cut, so bounds stay.
+// is shorter than L - 2 d.  Regions whose bound exceeds the wanted length are not entered.  Loops only get longer as
+// the surface is cut, so bounds stay.
 #pragma once
 
 #include "../../core/base/nearest_first.hpp"

@@ -46,7 +46,7 @@ private:
     struct Lists { // of each pair of pants
         Array<uint32_t> first, items;
     };
-    struct Numbers { // of those that are in the component
+    struct Numbers { // of the elements in the component
         Array<uint32_t> local, listed, parent;
         uint32_t count = 0;
     };

@@ -10,10 +10,9 @@
 //                                   class of these is taken (class_lengths.hpp).
 //                                   Then the loop is shortened.
 //
-// Other candidates are short cycles with two holes or more on both sides, of
-// the trees of shortest ways from regions (signatures.hpp, loop_search.hpp): necks.
-// Ways are those between the cells of a Voronoi diagram of the holes: one for
-// each piece of the border between two cells.
+// Other candidates are short cycles with two holes or more on both sides, from the trees of shortest paths from regions
+// (signatures.hpp, loop_search.hpp): necks.
+// Paths connect the cells of a Voronoi diagram of the holes: one for each piece of the border between two cells.
 //
 // Classes that come close are measured on a fine level once there are all loops,
 // and from the first choice that was wrong on it is made again.
@@ -468,7 +467,7 @@ private:
         return shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
     }
 
-    // Once along the loop or round the marked vertex of a seed, with it on the right.
+    // Once along the loop or around the marked vertex of a seed, with it on the right.
     Done go_round(Array<uint32_t>& walk, uint32_t seed) const {
         if (seeds_[seed].side >= 2 * curves_.components.count()) {
             for (const uint32_t h : mesh_.clockwise_from(seeds_[seed].crossing))

@@ -48,7 +48,7 @@ Done search_regions(const CutSurface& cut, Signatures& found, Array<uint32_t>& q
     return true;
 }
 
-// A spanning tree of the points from the segments that the other tree has not; those that are left get words.
+// A spanning tree of the points from segments that are not in the other tree; the remaining segments get words.
 Done span_points(const CutSurface& cut, const Array<uint8_t>& in_tree, PointTree& tree, Array<uint64_t>& of,
                  Call& call) {
     Array<uint32_t> parent;

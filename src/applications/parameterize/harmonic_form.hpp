@@ -17,7 +17,7 @@ public:
     struct Known {
         const uint8_t* coclosed = nullptr; // per vertex
         double share = 0, energy = 0;
-        bool by_values = false; // of the caller's values, who can improve them
+        bool by_values = false; // of the caller's values, which the caller can improve
     };
     // form += d(w) with the w that makes it coclosed: its divergence falls to
     // `tolerance` of what there would be if no two fluxes at a vertex cancelled.

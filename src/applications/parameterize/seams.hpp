@@ -26,8 +26,8 @@ struct SeamSum {
     }
 };
 
-// A short cut graph through all cones: shortest paths between cones and round
-// the handles [Erickson and Whittlesey 2005].  length: per edge, > 0.  root:
+// A short cut graph through all cones: shortest paths between cones and around the handles [Erickson and Whittlesey
+// 2005].  length: per edge, > 0.  root:
 // half-edge of the face where the tree begins.  false: out of memory or cancelled.
 Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone,
                        uint32_t root, Seams& seams, Call& call);

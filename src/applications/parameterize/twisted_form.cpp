@@ -11,13 +11,12 @@
 //         /                                /
 //        j                                j
 //
-// No other triangle notices: at a closed corner of i one side grows as the
-// other shrinks, at an open one both change alike.  So a regular vertex serves
-// as the place of one zero.
+// No other triangle changes its kind: at a closed corner of i one side grows as the other shrinks, at an open one both
+// change equally. So a regular vertex can be the place of one zero.
 //
 // Signs.  With a sign for each side every face has one corner between two equal
-// signs, its middle one.  Zero triangles are given to the outside one by one; a
-// graph of zero edges is left, across which u goes on as across a leaf:
+// signs, its middle one.  Zero triangles are joined to the outside one by one; a graph of zero edges remains, across
+// which u continues as across a leaf:
 //
 //           - +                              turn = - sign(h) * sign(twin h)
 //     ----*-----*----                        order of a vertex = middle corners - 2
@@ -25,8 +24,7 @@
 //
 // An end of that graph with order -1 is a limb, across whose edge u turns back.
 // Where the turn is even at a zero or a mark, one zero more than the turn can hold
-// is there: it is dragged to a vertex near by, as those are that find no corner
-// (zero_drag.hpp).
+// is there: it is dragged to a vertex nearby, like zeros that have no free corner (zero_drag.hpp).
 #include "twisted_form.hpp"
 
 #include "../../core/mesh/weights.hpp"

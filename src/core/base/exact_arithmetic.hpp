@@ -15,8 +15,8 @@
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FMA__) || defined(__FP_FAST_FMAL))
-// gcc contracts where the machine can, also with -std=c++17.  Only where there is such an instruction, for the
-// pragma marks each function.
+// gcc contracts if the machine has such an instruction, even with -std=c++17. The pragma is set only then, because it
+// marks each function.
 #pragma GCC optimize("fp-contract=off")
 #elif defined(_MSC_VER)
 #pragma fp_contract(off)

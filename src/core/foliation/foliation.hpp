@@ -126,8 +126,7 @@ Cluster explore_cluster(Foliation& foliation, uint32_t vertex, const ClusterSear
 // Signs of the half-edges out of the cluster in f.members, which is regular: a
 // disk with two closed corners, or an annulus with none, whose two boundaries
 // are the two directions.  +1 leaves in the one, -1 in the other; zero edges
-// inside get +1 at one end and -1 at the other.  Returns how far the pulls agree
-// with the signs that were there.
+// inside get +1 at one end and -1 at the other.  Returns how far the pulls agree with the previous signs.
 double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* sign);
 
 struct SingularityCount {

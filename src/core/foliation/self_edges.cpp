@@ -63,7 +63,7 @@ private:
     // Is what hangs together with v between sides `first` and `last`, the two ends of an edge, an annulus without
     // closed corners and marked vertices?  false: not known, as it is too large.
     bool cut_along(uint32_t first, uint32_t last, bool& annulus) {
-        assert(!f_.inside); // where there are such edges, sweeps have no blocks that the search could leave
+        assert(!f_.inside); // where there are such edges, sweeps have no blocks, so the search cannot leave one
         const Mesh& mesh = f_.mesh;
         f_.members.clear();
         f_.members.add(v_);

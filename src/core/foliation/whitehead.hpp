@@ -125,7 +125,7 @@ void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t
 bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands,
                    double& energy_change);
 // Fills star.step for edges of value 0 from the vertex to itself: 1 if they
-// open, else 0 (self_edges.cpp).  false: the cluster is too large to tell for all of them.
+// open, else 0 (self_edges.cpp).  false: the cluster is too large to decide all of them.
 bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star);
 
 // One vertex, repeatedly, as in a sweep; true if it moved.

@@ -73,8 +73,8 @@ void number_level(const WorkMesh& work, const Collapse* records, size_t record_c
 
 namespace {
 
-// In place, as no number rises.  Each block closes its own gaps first.  Then what is left of it moves down, with all
-// that is left of the blocks behind it whose places are free by now: those of blocks that have moved.
+// In place, as no number rises.  Each block closes its own gaps first.  Then its remaining elements move down, together
+// with those of later blocks whose places are free: places of blocks that have moved.
 //
 //     | aa  | b   | cc  | d   |
 //     | aab | cc..            |     b: the place of `cc` is free now

@@ -1,7 +1,7 @@
 // The certificate of the class: tests whether a foliation belongs to the weighted loops that it started from.
 //
-// A foliation whose leaves are all closed is given by its cylinders: how high
-// each is, and which closed curve goes around it.  (Whitehead moves change
+// A foliation whose leaves are all closed is determined by its cylinders: their heights, and the closed curves around
+// them.  (Whitehead moves change
 // neither, and a class has one harmonic foliation.)  Both are read off in integers and do not rely on any step of the
 // solve:
 //

@@ -13,20 +13,18 @@
 //         s'    |    s            a boundary leaf comes to s along the prong of
 //        -------Z-------          the sector before, and leaves along its own
 //
-// So the sectors that boundary leaves pass one after the other tell how prongs
-// are joined to arcs (saddle connections), without following a leaf that hits
-// anything.  The arc itself lies half a unit left of the boundary leaf.
+// So the order of the sectors along boundary leaves determines how prongs are joined to arcs (saddle connections),
+// without following a leaf that hits a vertex.  The arc itself lies half a unit left of the boundary leaf.
 //
-// Two marked vertices may have the same image.  All that their cluster is then
-// is the arc between them, which a closed leaf goes around (if both lie on its
-// boundary; else it has one sector and no prong):
+// Two marked vertices may have the same image.  Their cluster is then the arc between them, which a closed leaf
+// surrounds (if both lie on its boundary; otherwise it has one sector and no prong):
 //
 //        .------------------.          its sectors are those half-edges of the
 //       (  p ------------ q  )         circle that start at p and at q
 //        '------------------'
 //
 // On an exactly symmetric double a leaf can run along the boundary.  All its vertices
-// there have one image, a cluster.  With on_boundary set it is taken apart (boundary_zeros.cpp):
+// there have one image, a cluster.  With on_boundary set this cluster is divided (boundary_zeros.cpp):
 // a zero at each vertex where prongs leave and at each marked one, and between
 // them arcs along the boundary, again the parts of the circle between their sectors:
 //

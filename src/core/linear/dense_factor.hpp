@@ -1,7 +1,7 @@
 // The coarsest level of the multigrid: a Cholesky factor of some hundred unknowns.
 //
-// The matrix is singular where the foliation is orientable, and for components that are left out; a shift of the
-// diagonal keeps its kernel from being blown up.  In single precision that is 1e-3.  On a mesh of round
+// The matrix is singular if the foliation is orientable, and for components that are left out; a shift of the diagonal
+// keeps the kernel bounded.  In single precision that is 1e-3.  On a mesh of round
 // triangles the least eigenvalues are far above it.  On long triangles that lie along a limb they are not: there
 //
 //      o==o==o==o     == a million times as heavy as |, and rings of heavy edges are only joined by light ones:

@@ -5,15 +5,14 @@
 //
 //     A_vv >= sum over edges of alpha,     A_uv = s_uv alpha_uv,
 //
-// symmetric positive semidefinite.  Where the product of -s along every closed
-// path is + it becomes an ordinary Laplacian once the signs of some unknowns
-// are flipped.  Near a tripod it does not: the foliation turns by half there.
+// symmetric positive semidefinite.  If the product of -s along every closed path is +, flipping the signs of some
+// unknowns makes it an ordinary Laplacian. Near a tripod this is impossible: the foliation makes a half turn there.
 // Nothing here needs a global choice of signs, each aggregate has its own.
 //
 // Sweeps work in single precision on the matrix scaled to unit diagonal, so weights
 // from 1e-9 to 1e6 fit, and steps of conjugate gradients with them (sweep_matrix.hpp): the
-// residual is taken in double, they make 1e-3 of it, and it is taken again.  Where that is
-// not precise enough the steps are made in double, and only the preconditioner is not.
+// residual is taken in double, they make 1e-3 of it, and it is taken again.  If that is not precise enough, the steps
+// are made in double, and only the preconditioner in single precision.
 #pragma once
 
 #include "dense_factor.hpp"

@@ -43,7 +43,7 @@ struct Doubling {
 };
 
 // sides: those with one triangle, as 3 * triangle + side.  triangles: those of
-// the surface, 3 * triangle_count, with room for as many again, which are filled.
+// the surface, 3 * triangle_count, with space for as many again, which are filled in.
 // mirror: one for each vertex, filled.  marked: vertices that exist, none twice.
 [[nodiscard]] hmf_status double_surface(const double* positions, size_t vertex_count, size_t position_stride,
                                         uint32_t* triangles, size_t triangle_count, const Array<uint32_t>& sides,

@@ -22,9 +22,9 @@ struct FlipLog {
     }
 };
 
-// A metric that is flat but for its vertices: lengths of the edges and areas
-// of the triangles, both scaled by a power of two so that squares are
-// harmless.  The area is stored beside the lengths because it cannot be computed from them in a needle or cap thinner
+// A metric that is flat except at its vertices: lengths of the edges and areas of the triangles, both scaled by a power
+// of two so that squares neither overflow nor underflow.  The area is stored beside the lengths because it cannot be
+// computed from them in a needle or cap thinner
 // than the square root of the precision.
 struct Metric {
     Array<double> length;     // per edge

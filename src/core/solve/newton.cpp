@@ -245,7 +245,7 @@ private:
         step_.set_values(1);
     }
 
-    // For tests of the guard: the step so many times, within its bounds.
+    // For tests of the guard: the step times this factor, within its bounds.
     void lengthen(double factor) {
         for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
             double& d = model_.d[v];
@@ -260,9 +260,9 @@ private:
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
         if (!propose(effort, tight)) return interrupted(w_.call);
-        // Where the step went too far, and wherever else it made extrema or moved zeros, the
-        // neighborhood stays as it is.  If the energy rises, the bounds hold back too much: the others
-        // are solved for once more, and again while it rises less.  If nothing helps, all take a shorter step.
+        // If the step went too far at a vertex, made extrema or moved zeros, the neighborhood there is fixed. If the
+        // energy increases, too many bounds are active: the other unknowns are solved for again, as long as the
+        // increase becomes smaller. If nothing helps, the whole step is shortened.
         double factor = 1, rise = 0;
         uint32_t radius = steering::FIRST_RINGS_HELD, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
@@ -355,13 +355,13 @@ private:
 
     LinearOptions stop_at(double residual) const {
         LinearOptions options;
-        options.unchecked = !checked_; // the next look tells what a step is worth
+        options.unchecked = !checked_; // the next linearization evaluates the step
         if (residual > 0) options.row_scale = model_.row_scale.data();
         options.row_tolerance = residual;
         return options;
     }
 
-    // So many rows that the old setup would be found to be too slow.
+    // So many rows have changed that the old setup would be too slow.
     bool has_changed_much() const {
         const size_t rows = w_.call.parallel.sum_blocks<size_t>(model_.count, [&](size_t begin, size_t end) {
             size_t sum = 0;
@@ -372,7 +372,7 @@ private:
     }
 
     // Continues from model_.d.  The matrix of a level changes by signs near the
-    // zeros only: one setup serves for all its steps unless iterations tell otherwise.
+    // zeros only: one setup is used for all its steps unless it needs too many iterations.
     Done solve_linear(double accuracy, double residual) {
         if (part_step_) return part_.solve(model_, accuracy, w_.call);
         if (direct_) return solve_directly(false);
@@ -409,7 +409,7 @@ private:
             && result.residual > steering::FAILED_SHARE * accuracy && !w_.call.out_of_time();
     }
 
-    // Where the multigrid fails.  held: all unknowns but those that are.
+    // Used if the multigrid fails. held: solves for the unknowns that are not fixed.
     Done solve_directly(bool held) {
         ++w_.statistics.linear_solves;
         for (uint32_t v = 0; v < model_.count; ++v) distance_[v] = 0;
@@ -518,7 +518,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (!newton.linearize()) return interrupted(work.call);
         }
         moves_wait = false;
-        // Such a step should have left little of it.
+        // Such a step should reduce the residual to almost nothing.
         if (tight_from > 0 && model.residual_max > steering::LESS_RESIDUAL * tight_from) newton.check_solves();
         tight_from = 0;
         if (work.call.finishing()) return HMF_CANCELLED;

@@ -143,7 +143,7 @@ bool NewtonUpdate::check_candidates(Check check) {
 
 bool NewtonUpdate::remove_extrema(double factor, Array<uint32_t>& patch) {
     if (factor == 1) relax_extrema(patch);
-    const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
+    const uint32_t before = f_.epoch; // clusters with a later stamp have been examined
     bool moved = false;
     const bool removed = check_candidates([&](uint32_t v) {
         const Shape s = shape(v);

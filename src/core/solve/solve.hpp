@@ -22,7 +22,7 @@ struct SolveOptions : hmf_solve_options {
     }
     size_t stop() const { return static_cast<size_t>(stop_level); }
 
-    double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
+    double unchecked = 0; // for tests of the guard: factor of steps that are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
     bool guarded = false;                     // stops if every step would leave the class; needs a ClassGuard
 };
@@ -64,7 +64,7 @@ private:
 // Outcome of adapting the unit of the values to a residual.
 struct UnitChange {
     bool changed; // the unit has changed
-    bool enough;  // rounding is no longer in the way
+    bool enough;  // rounding does not limit the residual
 };
 
 // What a method needs on one level.

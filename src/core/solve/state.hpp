@@ -20,12 +20,13 @@ struct MeshListener {
     Done (*were_split)(void* user, const Mesh& mesh, const Collapse* collapses, size_t count, Call& call);
 };
 
-// Its half-edges are those of the hierarchy, which nobody may write, until a flip or a collapse is to come, and
-// again once a finer level or level 0 is reached, where it is solved: so no copy of them lies beside the solve.
+// Its half-edges are the read-only ones of the hierarchy, except between a flip or a collapse and the next level that
+// is solved: so no copy of them exists during a solve.
 //
 //     load:  hierarchy   own():  a copy   refine, to_intrinsic:  hierarchy   own():  a copy
 //
-// `out` is always its own: it decides the tree of walks, and after restriction it is another one until refine.
+// `out` is always a copy: it determines the tree of walks, and differs from the hierarchy between a restriction and
+// refine.
 struct State {
     const hmf_hierarchy* hierarchy = nullptr;
     Foliation foliation;

@@ -113,7 +113,7 @@ void TwistedModel::fix_zero(const Rings& rings, uint32_t v) {
     fix(rings, v);
 }
 
-// Rests, and its neighbors may pass it.
+// Fixes v; its neighbors may pass it.
 void TwistedModel::fix(const Rings& rings, uint32_t v) {
     is_fixed[v] = 1;
     right[v] = row_scale[v] = 0;
