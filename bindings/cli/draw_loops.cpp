@@ -102,7 +102,7 @@ uint32_t nearest(const TriangleMesh& mesh, const Ways& ways, Vec place) {
     return best;
 }
 
-constexpr double NEAR = 0.05; // of the diagonal of the box: a place further from the surface is of another one
+constexpr double NEAR = 0.1; // of the diagonal of the box: a place further from the surface is of another one
 
 double square(Vec a) { return dot(a, a); }
 
@@ -136,7 +136,7 @@ void refuse_if_far(const std::string& word, const TriangleMesh& mesh, const Ways
     const double limit = NEAR * length(high - low);
     if (least <= limit * limit) return;
     char text[120];
-    std::snprintf(text, sizeof text, " is %.3g from the surface, more than %.3g, a twentieth of the mesh; ",
+    std::snprintf(text, sizeof text, " is %.3g from the surface, more than %.3g, a tenth of the mesh; ",
                   std::sqrt(least), limit);
     refuse_points(word + text + "check its unit and axes, or give the number of a vertex");
 }

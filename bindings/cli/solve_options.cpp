@@ -20,7 +20,7 @@ Option through_option(SolveRequest& r) {
     return Option{"--through", &r.through, "\"POINTS\"",
                   "instead of --loops: a loop of shortest edge paths through at least three points, in order, on all\n"
                   "sides of what it goes around; points are vertex indices from 0 or positions X,Y,Z, at most a\n"
-                  "twentieth of the mesh from it, separated by blanks; \";\" begins another loop"}
+                  "tenth of its size away, separated by blanks; \";\" begins another loop"}
         .without("--loops --start");
 }
 

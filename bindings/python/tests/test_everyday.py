@@ -185,6 +185,8 @@ def test_zero_is_zero(pretzel: Mesh) -> None:
         foliation.quads: ("count", "edge_length"),
         foliation.trace: ("spacing", "length_limit"),
         foliation.relax: ("tolerance",),
+        foliation.atlas: ("margin",),
+        foliation.parameterize: ("tolerance",),
     }
     for function, names in refused.items():
         for name in names:

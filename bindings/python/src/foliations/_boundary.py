@@ -149,6 +149,7 @@ _RANGES: dict[str, str] = {
     "count": "[1, inf)",
     "spacing": "(0, inf)",
     "length_limit": "(0, inf)",
+    "margin": "(0, 0.0625]",
 }
 _SHORTEST = 1e-9  # seconds; the library takes a limit of 0 for none
 

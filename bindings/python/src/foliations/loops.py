@@ -129,7 +129,7 @@ class Loops(Sequence[Indices]):
         weights : (number of loops,) floats, optional
             As for :class:`Loops`.
         within : float, optional
-            Points further from the surface are refused, in the unit of the positions; default a twentieth of the
+            Points further from the surface are refused, in the unit of the positions; default a tenth of the
             diagonal of its box.
         """
         mesh = hierarchy.levels[0]
@@ -307,7 +307,7 @@ def _open(path: Indices) -> Indices:
     return path[:-1] if len(path) > 1 and path[0] == path[-1] else path
 
 
-_NEAR = 0.05  # of the diagonal of the box: points further from the surface are of another one
+_NEAR = 0.1  # of the diagonal of the box: points further from the surface are of another one
 
 
 def _distance(point: Floats, corners: Floats) -> float:
