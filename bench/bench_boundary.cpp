@@ -46,8 +46,8 @@ void run_once(const readers::TriangleMesh& mesh, Run& run) {
     hmf_foliation* foliation = nullptr;
     hmf_error error{};
     const double begin = processor_seconds();
-    hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                  mesh.triangle_count(), nullptr, nullptr, &hierarchy, &error);
+    hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                             mesh.triangle_count(), nullptr, nullptr, &hierarchy, &error);
     const double built = processor_seconds();
     if (status == HMF_OK) status = hmf_solve_cut_system(hierarchy, nullptr, nullptr, &foliation, &error);
     if (status != HMF_OK) run.failure = error.message;
@@ -67,7 +67,7 @@ void run_once(const readers::TriangleMesh& mesh, Run& run) {
         run.boundaries = hmf_boundary_count(hierarchy);
     }
     hmf_foliation_destroy(foliation);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
 }
 
 struct Random {
@@ -115,21 +115,21 @@ readers::TriangleMesh coarser_double(const readers::TriangleMesh& mesh) {
     readers::TriangleMesh out;
     hmf_hierarchy *hierarchy = nullptr, *usable = nullptr;
     hmf_level_info info{};
-    if (hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), nullptr,
-                  nullptr, &hierarchy, nullptr)
+    if (hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                             nullptr, nullptr, &hierarchy, nullptr)
             == HMF_OK
         && hmf_level_counts(hierarchy, 1, &info, nullptr) == HMF_OK) {
         out.positions.resize(3 * info.vertex_count);
         out.triangles.resize(3 * info.triangle_count);
         hmf_level_positions(hierarchy, 1, out.positions.data(), out.positions.size(), nullptr);
         hmf_level_triangle_vertices(hierarchy, 1, out.triangles.data(), out.triangles.size(), nullptr);
-        if (hmf_build(out.positions.data(), out.vertex_count(), out.triangles.data(), out.triangle_count(), nullptr,
-                      nullptr, &usable, nullptr)
+        if (hmf_hierarchy_create(out.positions.data(), out.vertex_count(), out.triangles.data(), out.triangle_count(),
+                                 nullptr, nullptr, &usable, nullptr)
             != HMF_OK)
             out = readers::TriangleMesh();
     }
-    hmf_destroy(usable);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(usable);
+    hmf_hierarchy_destroy(hierarchy);
     return out;
 }
 

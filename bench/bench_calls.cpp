@@ -91,8 +91,8 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
     hmf_loop_set* loops = nullptr;
     hmf_foliation *f = nullptr, *g = nullptr;
     table.measure("build", [&](const hmf_control* c, hmf_error* e) {
-        return hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                         nullptr, c, &h, e);
+        return hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                    mesh.triangle_count(), nullptr, c, &h, e);
     });
     hmf_level_info info{};
     hmf_level_counts(h, 0, &info, nullptr);
@@ -106,7 +106,8 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
         table.measure(kind.name,
                       [&](const hmf_control* c, hmf_error* e) { return hmf_loops(h, 0, kind.kind, c, &loops, e); });
     }
-    table.measure("initialize", [&](const hmf_control* c, hmf_error* e) { return hmf_initialize(h, loops, c, &g, e); });
+    table.measure("initialize",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_foliation_from_loops(h, loops, c, &g, e); });
     hmf_foliation_destroy(g);
     table.measure("solve", [&](const hmf_control* c, hmf_error* e) { return hmf_solve(h, loops, nullptr, c, &f, e); });
     table.measure("relax", [&](const hmf_control* c, hmf_error* e) { return hmf_relax(f, nullptr, c, &g, e); });
@@ -114,7 +115,7 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
     size_t count = 0;
     const double* values = hmf_foliation_values(f, &count);
     table.measure("create", [&](const hmf_control* c, hmf_error* e) {
-        return hmf_foliation_create(h, 0, values, count, c, &g, e);
+        return hmf_foliation_from_values(h, 0, values, count, c, &g, e);
     });
     hmf_foliation_destroy(g);
     hmf_foliation* coarse = nullptr;
@@ -159,7 +160,7 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
     hmf_free(flat);
     hmf_foliation_destroy(f);
     hmf_free(loops);
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
 }
 
 } // namespace

@@ -24,15 +24,15 @@ struct Run {
 
 Run solve(const readers::TriangleMesh& mesh, const uint32_t* marks, uint64_t count, const hmf_loop_set* loops) {
     Run run;
-    hmf_build_options options{};
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.marked_vertices = marks;
     options.marked_count = count;
     hmf_hierarchy* hierarchy = nullptr;
     hmf_foliation* foliation = nullptr;
     hmf_error error{};
-    run.status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                           &options, nullptr, &hierarchy, &error);
+    run.status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                      mesh.triangle_count(), &options, nullptr, &hierarchy, &error);
     if (run.status == HMF_OK) {
         const double begin = processor_seconds();
         run.status = hmf_solve(hierarchy, loops, nullptr, nullptr, &foliation, &error);
@@ -41,7 +41,7 @@ Run solve(const readers::TriangleMesh& mesh, const uint32_t* marks, uint64_t cou
     if (foliation) hmf_conformal_scale(foliation, nullptr, nullptr, 0, &run.unevenness, nullptr);
     if (run.status != HMF_OK) std::fprintf(stderr, "status %d: %s\n", static_cast<int>(run.status), error.message);
     hmf_foliation_destroy(foliation);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
     return run;
 }
 

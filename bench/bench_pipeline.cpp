@@ -240,7 +240,7 @@ double run_cholesky(const std::vector<uint32_t>& ends, const std::vector<double>
 #endif
 
 struct Destroy {
-    void operator()(hmf_hierarchy* h) const { hmf_destroy(h); }
+    void operator()(hmf_hierarchy* h) const { hmf_hierarchy_destroy(h); }
     void operator()(hmf_foliation* f) const { hmf_foliation_destroy(f); }
     void operator()(hmf_loop_set* loops) const { hmf_free(loops); }
 };
@@ -308,7 +308,7 @@ Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t meth
 // One repetition on one mesh.
 void run(const Soup& soup, const Options& options, Counter& counter, Result& out) {
     ++out.repetitions;
-    hmf_build_options bo = {};
+    hmf_hierarchy_options bo = {};
     bo.struct_size = sizeof bo;
     bo.allocate = counted_allocate;
     bo.release = counted_release;
@@ -320,7 +320,8 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
 
     const hmf_control control = control_of_threads();
     const double t0 = now();
-    hmf_build(soup.position.data(), soup.vertices(), soup.triangle.data(), soup.triangles(), &bo, &control, &h, &error);
+    hmf_hierarchy_create(soup.position.data(), soup.vertices(), soup.triangle.data(), soup.triangles(), &bo, &control,
+                         &h, &error);
     const double t1 = now();
     const Owned<hmf_hierarchy> hierarchy(h);
     if (!h) {

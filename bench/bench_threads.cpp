@@ -129,10 +129,10 @@ void run(const readers::TriangleMesh& mesh, Table& table) {
     table.measure(
         "build",
         [&](const hmf_control* c, hmf_error* e) {
-            return hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                             nullptr, c, &h, e);
+            return hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), nullptr, c, &h, e);
         },
-        [&] { hmf_destroy(h); });
+        [&] { hmf_hierarchy_destroy(h); });
     table.measure(
         "loops",
         [&](const hmf_control* c, hmf_error* e) {
@@ -168,7 +168,7 @@ void run(const readers::TriangleMesh& mesh, Table& table) {
     hmf_free(flat);
     hmf_foliation_destroy(f);
     hmf_free(loops);
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
 }
 
 } // namespace

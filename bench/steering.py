@@ -84,7 +84,7 @@ int main(int count, char** arguments) {
         std::fclose(file);
         hmf_hierarchy* h = nullptr;
         hmf_error e{};
-        if (hmf_build(p.data(), p.size() / 3, t.data(), t.size() / 3, nullptr, nullptr, &h, &e)) {
+        if (hmf_hierarchy_create(p.data(), p.size() / 3, t.data(), t.size() / 3, nullptr, nullptr, &h, &e)) {
             std::fprintf(stderr, "%s: %s\n", arguments[a], e.message);
             return 1;
         }

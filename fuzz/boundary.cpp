@@ -26,7 +26,7 @@ public:
         const bool has_arcs = bytes_.byte() % 4 != 0;
         if (has_arcs) find_arcs();
         hmf_loop_set arcs = sized<hmf_loop_set>();
-        arcs.element_kind = HMF_LOOP_VERTICES;
+        arcs.element_kind = HMF_PATH_VERTICES;
         arcs.count = is_arc_.size();
         arcs.offsets = offsets_.data();
         arcs.elements = elements_.data();
@@ -93,15 +93,16 @@ private:
     }
 
     bool build() {
-        hmf_build_options options = sized<hmf_build_options>();
+        hmf_hierarchy_options options = sized<hmf_hierarchy_options>();
         options.marked_vertices = marks_.data();
         options.marked_count = marks_.size();
         options.coarsest = 4 + bytes_.below(60);
         options.ratio = 0.3 + bytes_.below(5) / 10.0;
         hmf_hierarchy* raw = nullptr;
         hmf_error error{};
-        const hmf_status status = hmf_build(sheet_.positions.data(), sheet_.vertex_count(), sheet_.triangles.data(),
-                                            sheet_.triangle_count(), &options, nullptr, &raw, &error);
+        const hmf_status status =
+            hmf_hierarchy_create(sheet_.positions.data(), sheet_.vertex_count(), sheet_.triangles.data(),
+                                 sheet_.triangle_count(), &options, nullptr, &raw, &error);
         hierarchy_.reset(raw);
         const bool carries = sheet_.genus > 0 || sheet_.boundaries > 1 || marks_of_double_ >= 4;
         if (!carries) {

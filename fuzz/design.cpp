@@ -1,7 +1,7 @@
 // The even design of a closed surface, of one with boundary, of a sphere or a disk, in any unit: its marked vertices
-// and loops are what hmf_build and hmf_solve take, its weights are whole numbers, its marks contain those of the
-// caller.  On the foliation of the design: the conformal scale, relaxed quads of any wish, charts.  No pole, quads are
-// an oriented manifold, charts lie in the square, everything is finite.
+// and loops are what hmf_hierarchy_create and hmf_solve take, its weights are whole numbers, its marks contain those of
+// the caller.  On the foliation of the design: the conformal scale, relaxed quads of any wish, charts.  No pole, quads
+// are an oriented manifold, charts lie in the square, everything is finite.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -26,7 +26,7 @@ public:
             marks_.push_back(bytes_.wide_below(static_cast<uint32_t>(vertices())));
         std::sort(marks_.begin(), marks_.end());
         marks_.erase(std::unique(marks_.begin(), marks_.end()), marks_.end());
-        hmf_build_options build = sized<hmf_build_options>();
+        hmf_hierarchy_options build = sized<hmf_hierarchy_options>();
         build.marked_vertices = marks_.data();
         build.marked_count = marks_.size();
         if (!design(build)) return;
@@ -64,7 +64,7 @@ private:
     }
 
     // Refused with a sentence: a disk or sphere with too few vertices for marks, or no loops.
-    bool design(const hmf_build_options& build) {
+    bool design(const hmf_hierarchy_options& build) {
         hmf_design_options options = sized<hmf_design_options>();
         options.build = &build;
         options.no_poles = bytes_.byte() % 4 == 3;
@@ -79,11 +79,11 @@ private:
         return raw != nullptr;
     }
 
-    void solve(const hmf_build_options& build) {
+    void solve(const hmf_hierarchy_options& build) {
         hmf_hierarchy* h = nullptr;
         hmf_foliation* f = nullptr;
-        FUZZ_ASSERT(hmf_build(surface_.positions.data(), vertices(), surface_.triangles.data(), triangles(), &build,
-                              nullptr, &h, nullptr)
+        FUZZ_ASSERT(hmf_hierarchy_create(surface_.positions.data(), vertices(), surface_.triangles.data(), triangles(),
+                                         &build, nullptr, &h, nullptr)
                     == HMF_OK);
         hierarchy_.reset(h);
         FUZZ_ASSERT(hmf_solve(h, design_->loops, nullptr, nullptr, &f, nullptr) < HMF_CANCELLED + 2 && f);

@@ -18,25 +18,25 @@ struct Route {
     double energy() const { return hmf_foliation_report(foliation.get())->energy; }
 };
 
-hmf_build_options any_build(Bytes& bytes) {
-    hmf_build_options build = sized<hmf_build_options>();
+hmf_hierarchy_options any_build(Bytes& bytes) {
+    hmf_hierarchy_options build = sized<hmf_hierarchy_options>();
     build.coarsest = 20 + bytes.byte();
     build.ratio = 0.05 + 0.9 * bytes.byte() / 256;
     build.collapse = static_cast<int32_t>(bytes.below(4));
     return build;
 }
 
-Owned<hmf_hierarchy> build(const Plate& plate, const hmf_build_options& options) {
+Owned<hmf_hierarchy> build(const Plate& plate, const hmf_hierarchy_options& options) {
     hmf_hierarchy* made = nullptr;
     hmf_error error{};
-    const hmf_status status = hmf_build(plate.positions.data(), plate.vertex_count(), plate.triangles.data(),
-                                        plate.triangle_count(), &options, nullptr, &made, &error);
+    const hmf_status status = hmf_hierarchy_create(plate.positions.data(), plate.vertex_count(), plate.triangles.data(),
+                                                   plate.triangle_count(), &options, nullptr, &made, &error);
     if (status) std::fprintf(stderr, "%s\n", error.message);
     FUZZ_ASSERT(status == HMF_OK && hmf_genus(made) == plate.genus);
     return Owned<hmf_hierarchy>(made);
 }
 
-Route solve(const Plate& plate, const hmf_build_options& options, const hmf_loop_set& loops, bool sweeps_first) {
+Route solve(const Plate& plate, const hmf_hierarchy_options& options, const hmf_loop_set& loops, bool sweeps_first) {
     Route route;
     route.hierarchy = build(plate, options);
     hmf_solve_options wish = sized<hmf_solve_options>();
@@ -75,7 +75,7 @@ std::vector<uint32_t> any_order(size_t n, uint64_t& state) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Bytes bytes(data, size);
     const Plate plate(bytes);
-    const hmf_build_options first_build = any_build(bytes), second_build = any_build(bytes);
+    const hmf_hierarchy_options first_build = any_build(bytes), second_build = any_build(bytes);
     const Owned<hmf_hierarchy> hierarchy = build(plate, first_build);
     hmf_loop_set* made = nullptr;
     const int32_t kind = bytes.byte() % 2 ? HMF_LOOPS_PANTS : HMF_LOOPS_CUT;

@@ -85,15 +85,15 @@ public:
 
     void run() {
         const Plate plate(bytes_);
-        hmf_build_options build = sized<hmf_build_options>();
+        hmf_hierarchy_options build = sized<hmf_hierarchy_options>();
         build.allocate = Host::take;
         build.release = Host::give;
         build.allocator_user = &host_;
         build.coarsest = 20 + bytes_.byte();
         {
             const auto h = make<hmf_hierarchy>([&](auto c, auto out, auto e) {
-                return hmf_build(plate.positions.data(), plate.vertex_count(), plate.triangles.data(),
-                                 plate.triangle_count(), &build, c, out, e);
+                return hmf_hierarchy_create(plate.positions.data(), plate.vertex_count(), plate.triangles.data(),
+                                            plate.triangle_count(), &build, c, out, e);
             });
             FUZZ_ASSERT(h);
             FUZZ_ASSERT(host_.used == hmf_hierarchy_memory(h.get()));
@@ -143,7 +143,7 @@ private:
             case 6: {
                 const std::vector<double> given = values(f.get());
                 const auto again = make<hmf_foliation>([&](auto c, auto out, auto e) {
-                    return hmf_foliation_create(h, 0, given.data(), given.size(), c, out, e);
+                    return hmf_foliation_from_values(h, 0, given.data(), given.size(), c, out, e);
                 });
                 FUZZ_ASSERT(!again || values(again.get()) == given);
                 break;

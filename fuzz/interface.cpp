@@ -30,7 +30,7 @@ public:
     hmf_status run() {
         choose_options();
         choose_surface();
-        marks_now = build_.struct_size > offsetof(hmf_build_options, marked_count) ? marks_.size() : 0;
+        marks_now = build_.struct_size > offsetof(hmf_hierarchy_options, marked_count) ? marks_.size() : 0;
         hmf_status status = HMF_OK;
         if (hmf_hierarchy* const h = build(status)) status = use(h);
         FUZZ_ASSERT(meter_.used == 0);
@@ -54,15 +54,16 @@ private:
             // Of an older header; not one that ends between the hooks and their user.
             uint32_t end = bytes_.below(sizeof build_ + 1);
             if (end % 16 != 1) end -= end % 8; // else a size that no structure has
-            if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, position_stride))
-                end = offsetof(hmf_build_options, allocate);
+            if (end > offsetof(hmf_hierarchy_options, allocate)
+                && end < offsetof(hmf_hierarchy_options, position_stride))
+                end = offsetof(hmf_hierarchy_options, allocate);
             build_.struct_size = end;
         }
         if (bytes_.rarely()) build_.ratio = coordinate(bytes_);
         if (bytes_.rarely()) build_.collapse = static_cast<int32_t>(bytes_.below(6)) - 1;
         if (bytes_.rarely()) {
             build_.memory_limit = 1 + bytes_.byte() * uint64_t{2048};
-            if (build_.struct_size > offsetof(hmf_build_options, memory_limit)) meter_.limit = build_.memory_limit;
+            if (build_.struct_size > offsetof(hmf_hierarchy_options, memory_limit)) meter_.limit = build_.memory_limit;
             memory_is_short_ = true;
         }
         if (bytes_.rarely()) {
@@ -128,11 +129,11 @@ private:
         meter_.peak = 0;
         hmf_hierarchy* h = nullptr;
         hmf_error error{};
-        status = hmf_build(surface_.positions.data(), vertices(), surface_.triangles.data(), triangles(), &build_,
-                           nullptr, &h, &error);
+        status = hmf_hierarchy_create(surface_.positions.data(), vertices(), surface_.triangles.data(), triangles(),
+                                      &build_, nullptr, &h, &error);
         if (h && build_.struct_size == sizeof build_)
             FUZZ_ASSERT(hmf_hierarchy_memory(h) == meter_.used
-                        && hmf_memory_estimate(vertices(), triangles(), &build_) >= meter_.peak);
+                        && hmf_hierarchy_memory_estimate(vertices(), triangles(), &build_) >= meter_.peak);
         expect_status(status, error, {1, 2, 3});
         FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
         FUZZ_ASSERT(memory_is_short_ || status / 100 != 2);
@@ -154,17 +155,17 @@ private:
         const bool hierarchy_first = bytes_.byte() % 2;
         if (bytes_.byte() % 2) any_values(bytes_, h, memory_is_short_);
         if (made) any_calls(bytes_, h, made, loops, memory_is_short_);
-        if (hierarchy_first) hmf_destroy(h);
+        if (hierarchy_first) hmf_hierarchy_destroy(h);
         hmf_foliation_destroy(made);
         FUZZ_ASSERT(meter_.used == (hierarchy_first ? 0 : held));
-        if (!hierarchy_first) hmf_destroy(h);
+        if (!hierarchy_first) hmf_hierarchy_destroy(h);
         return status;
     }
 
     void initialize(const hmf_hierarchy* h, const LoopArrays& loops) {
         hmf_foliation* made = nullptr;
         hmf_error error{};
-        const hmf_status status = hmf_initialize(h, &loops.set, nullptr, &made, &error);
+        const hmf_status status = hmf_foliation_from_loops(h, &loops.set, nullptr, &made, &error);
         const Owned<hmf_foliation> f(made);
         expect_status(status, error, {1, 2, 4});
         FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
@@ -204,7 +205,7 @@ private:
 
     Bytes bytes_;
     Meter meter_;
-    hmf_build_options build_ = sized<hmf_build_options>();
+    hmf_hierarchy_options build_ = sized<hmf_hierarchy_options>();
     Surface surface_;
     size_t vertices_ = 0; // positions may have a stride
     std::vector<uint32_t> marks_;

@@ -9,7 +9,9 @@
 namespace fuzz {
 
 struct Delete {
-    void operator()(const hmf_hierarchy* hierarchy) const { hmf_destroy(const_cast<hmf_hierarchy*>(hierarchy)); }
+    void operator()(const hmf_hierarchy* hierarchy) const {
+        hmf_hierarchy_destroy(const_cast<hmf_hierarchy*>(hierarchy));
+    }
     void operator()(const hmf_foliation* foliation) const {
         hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
     }

@@ -70,7 +70,8 @@ int main(int argc, char** argv) {
     if (argc != 3) return fprintf(stderr, "usage: %s MESH.obj VALUES.csv\n", argv[0]), 2;
     if (!read_obj(&m, argv[1])) return perror(argv[1]), 5;
 
-    status = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &hierarchy, &error);
+    status = hmf_hierarchy_create(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &hierarchy,
+                                  &error);
     if (!status) status = hmf_solve_cut_system(hierarchy, NULL, NULL, &foliation, &error);
     if (status) fprintf(stderr, "%s: %s\n", hmf_status_string(status), error.message);
     if (foliation) { /* also if a limit ended the optimization */
@@ -89,7 +90,7 @@ int main(int argc, char** argv) {
         free(ends);
     }
     hmf_foliation_destroy(foliation);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
     free(m.positions);
     free(m.triangles);
     return status != HMF_OK;

@@ -53,7 +53,7 @@ void Component::refuse(hmf_status status, const std::string& reason) {
 
 hmf_status Component::try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
                                 hmf_error& error) {
-    hmf_build_options options = {};
+    hmf_hierarchy_options options = {};
     options.struct_size = sizeof options;
     options.ratio = request.ratio;
     options.mollify = mollify;
@@ -69,8 +69,9 @@ hmf_status Component::try_build(const SolveRequest& request, double mollify, Met
     options.marked_count = marks_.size();
     hmf_hierarchy* raw = nullptr;
     if (status == HMF_OK)
-        status = hmf_build(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
-                           part_.mesh.triangle_count(), &options, control, &raw, &error);
+        status =
+            hmf_hierarchy_create(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
+                                 part_.mesh.triangle_count(), &options, control, &raw, &error);
     hierarchy_.reset(raw);
     return status;
 }
@@ -111,7 +112,7 @@ std::string Component::name_of(int32_t element, uint64_t index, bool with_line) 
                                            : origin_->name_of_vertex(whole_vertex(own), with_line);
 }
 
-hmf_status Component::make_design(bool no_poles, hmf_build_options options, const hmf_control* control,
+hmf_status Component::make_design(bool no_poles, hmf_hierarchy_options options, const hmf_control* control,
                                   hmf_error& error) {
     options.marked_vertices = marks_.data();
     options.marked_count = marks_.size();
@@ -191,8 +192,8 @@ void Component::solve(const SolveRequest& request, double time_limit, std::vecto
     Owned<hmf_foliation> start;
     if (has_start_)
         start = make<hmf_foliation>(shown(request.start), [&](hmf_foliation** out, hmf_error* e) {
-            return hmf_foliation_create(hierarchy_.get(), 0, start_values->data(), start_values->size(), nullptr, out,
-                                        e);
+            return hmf_foliation_from_values(hierarchy_.get(), 0, start_values->data(), start_values->size(), nullptr,
+                                             out, e);
         });
     options.start = start.get();
     if (read_.count() > 0) loops_ = read_.view();

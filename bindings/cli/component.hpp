@@ -116,7 +116,7 @@ public:
 private:
     hmf_status try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
                          hmf_error& error);
-    hmf_status make_design(bool no_poles, hmf_build_options options, const hmf_control* control, hmf_error& error);
+    hmf_status make_design(bool no_poles, hmf_hierarchy_options options, const hmf_control* control, hmf_error& error);
     // In the words of the file.
     std::string name_of(int32_t element, uint64_t index, bool with_line) const;
     Owned<hmf_loop_set> library_loops(size_t level, const hmf_control* control) const;

@@ -172,7 +172,7 @@ uint32_t picked_vertex(const std::string& word, const TriangleMesh& mesh, const 
 
 LoopList draw_loops(const std::string& picked, const TriangleMesh& mesh) {
     LoopList loops;
-    loops.element_kind = HMF_LOOP_VERTICES;
+    loops.element_kind = HMF_PATH_VERTICES;
     Ways ways(mesh);
     std::istringstream lists(picked);
     for (std::string list; std::getline(lists, list, ';');) {

@@ -32,7 +32,7 @@ static const std::pair<std::string, std::string> words_of_tool[] = {
     {"Improve the values with hmf_relax", "Give --method newton, or a smaller --tolerance"},
     {"Improve them with hmf_relax", "Give --method newton, or a smaller --tolerance"},
     {"; hmf_singularities lists them", ""},
-    {"Start from hmf_initialize or a result of hmf_solve", "Give a file that --values has written"},
+    {"Start from hmf_foliation_from_loops or a result of hmf_solve", "Give a file that --values has written"},
     {"Mark four vertices or more", "Give --marks auto, or a file of four vertices or more"},
     {"; report->class_state tells whether the values are in it", ""},
     {"Try another ratio", "Give another --ratio"},

@@ -30,7 +30,7 @@ struct Finding {
 };
 
 Finding look_at(const TriangleMesh& mesh, double mollify, const std::string& mesh_name, const hmf_control* control) {
-    hmf_build_options options = {};
+    hmf_hierarchy_options options = {};
     options.struct_size = sizeof options;
     // Validation only: one level.
     options.coarsest = mesh.vertex_count();
@@ -41,8 +41,8 @@ Finding look_at(const TriangleMesh& mesh, double mollify, const std::string& mes
     options.marked_vertices = found.marks.data();
     options.marked_count = found.marks.size();
     if (found.status == HMF_OK)
-        found.status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                 mesh.triangle_count(), &options, control, &raw, &found.error);
+        found.status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                            mesh.triangle_count(), &options, control, &raw, &found.error);
     const Owned<hmf_hierarchy> hierarchy(raw);
     if (found.status != HMF_OK) {
         if (found.status < 300 || found.status >= 400) fail_with(found.status, found.error, mesh_name);
@@ -127,7 +127,7 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
         const uint64_t edges = found.status == HMF_OK ? found.edges : readers::edges_of(part).count();
         const size_t open = found.status == HMF_OK ? found.boundaries : readers::boundary_count(part);
         const size_t copies = open > 0 ? 2 : 1; // with boundary the double is built
-        memory += hmf_memory_estimate(copies * part.vertex_count(), copies * part.triangle_count(), nullptr);
+        memory += hmf_hierarchy_memory_estimate(copies * part.vertex_count(), copies * part.triangle_count(), nullptr);
         Json row = {{"valid", found.status == HMF_OK},
                     {"vertices", part.vertex_count()},
                     {"edges", edges},

@@ -12,7 +12,7 @@
 namespace cli {
 
 struct GiveBack {
-    void operator()(hmf_hierarchy* hierarchy) const { hmf_destroy(hierarchy); }
+    void operator()(hmf_hierarchy* hierarchy) const { hmf_hierarchy_destroy(hierarchy); }
     void operator()(hmf_foliation* foliation) const { hmf_foliation_destroy(foliation); }
     void operator()(const void* result) const { hmf_free(result); }
 };

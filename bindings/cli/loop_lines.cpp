@@ -330,7 +330,7 @@ std::vector<Line> loop_lines(const Foliation& f, const hmf_loop_set& loops) {
     std::vector<Line> lines;
     for (size_t c = 0; c < loops.count; ++c) {
         const std::vector<uint32_t> elements(loops.elements + loops.offsets[c], loops.elements + loops.offsets[c + 1]);
-        const bool is_arc = loops.arcs && loops.arcs[c], is_path = loops.element_kind == HMF_LOOP_VERTICES;
+        const bool is_arc = loops.arcs && loops.arcs[c], is_path = loops.element_kind == HMF_PATH_VERTICES;
         const size_t count = elements.size();
         Line line, straight;
         for (const uint32_t e : elements) {

@@ -47,7 +47,7 @@ std::vector<uint32_t> read_marks(const std::string& path, size_t vertex_count) {
     return marks;
 }
 
-hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control* control,
+hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_hierarchy_options& options, const hmf_control* control,
                          std::vector<uint32_t>& marks, hmf_error& error) {
     // Checks the numbers of vertices, edges and triangles only; the library reports other defects of a mesh.
     const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();

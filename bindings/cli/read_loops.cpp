@@ -54,7 +54,7 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         };
         skip_blanks();
         if (at == stop) continue;
-        int32_t kind = HMF_LOOP_VERTICES;
+        int32_t kind = HMF_PATH_VERTICES;
         const char* const colon = std::find(at, stop, ':');
         const std::string prefix(at, colon);
         const auto is_side = [](char c) { return c >= '0' && c <= '2'; };
@@ -65,14 +65,14 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         // As in hmf_loop_set.
         const int arc = !is_named || !is_arc ? 0 : has_sides ? 1 + 2 * (prefix[2] - '/') + 8 * (prefix[3] - '/') : 1;
         if (is_named) {
-            kind = prefix == "a" || prefix == "v" ? HMF_LOOP_VERTICES : HMF_LOOP_TRIANGLES;
+            kind = prefix == "a" || prefix == "v" ? HMF_PATH_VERTICES : HMF_PATH_TRIANGLES;
             at = colon + 1;
         }
         if (loops.count() > 0 && kind != loops.element_kind)
             throw Failure(EXIT_BAD_INPUT,
                           where + "loops of vertices and loops of triangles in one file; write all of them in one way");
         loops.element_kind = kind;
-        const bool triangles = kind == HMF_LOOP_TRIANGLES;
+        const bool triangles = kind == HMF_PATH_TRIANGLES;
         const size_t limit = triangles ? triangle_count : vertex_count;
         for (skip_blanks(); at != stop; skip_blanks()) {
             uint32_t index = 0;

@@ -10,7 +10,7 @@
 namespace cli {
 
 struct LoopList {
-    int32_t element_kind = HMF_LOOP_TRIANGLES;
+    int32_t element_kind = HMF_PATH_TRIANGLES;
     std::vector<uint64_t> offsets{0};
     std::vector<uint32_t> elements;
     std::vector<uint8_t> arcs;   // one per loop: it is one

@@ -127,7 +127,7 @@ void Run::take_loops() {
         components_[0].take_loops(read_);
         return;
     }
-    const bool triangles = read_.element_kind == HMF_LOOP_TRIANGLES;
+    const bool triangles = read_.element_kind == HMF_PATH_TRIANGLES;
     std::vector<std::array<uint32_t, 2>> place(triangles ? mesh_.triangle_count() : mesh_.vertex_count());
     std::vector<LoopList> lists(components_.size());
     for (uint32_t k = 0; k < components_.size(); ++k) {

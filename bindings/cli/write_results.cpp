@@ -51,7 +51,7 @@ void write_loops(const std::string& path, const hmf_loop_set& loops, const std::
     std::fprintf(output.file(), "# --weights ");
     for (size_t c = 0; c < weights.size(); ++c) std::fprintf(output.file(), c ? ",%.17g" : "%.17g", weights[c]);
     for (uint64_t c = 0; c < loops.count; ++c) {
-        const bool triangles = loops.element_kind == HMF_LOOP_TRIANGLES;
+        const bool triangles = loops.element_kind == HMF_PATH_TRIANGLES;
         const int arc = loops.arcs ? loops.arcs[c] : 0;
         if (arc > 1 && triangles) std::fprintf(output.file(), "\nat%d%d:", (arc >> 1 & 3) - 1, (arc >> 3 & 3) - 1);
         else std::fprintf(output.file(), arc ? triangles ? "\nat:" : "\na:" : triangles ? "\nt:" : "\nv:");

@@ -125,10 +125,10 @@ async function measure(structures) {
 // Numbers that are no options of JavaScript: arrays know their length.
 const NO_OPTIONS = ['struct_size', 'reserved', 'position_stride', 'marked_count'];
 
-/** The options of hmf_build and hmf_solve that are numbers: whatever is new in the header is an option at once. */
+/** The options of hmf_hierarchy_create and hmf_solve that are numbers: whatever is new in the header is an option at once. */
 function numericOptions(structures) {
     const numbers = fields => fields.filter(({ name, type }) => ['f64', 'u64', 'u32'].includes(type) && !NO_OPTIONS.includes(name));
-    return Object.fromEntries(['hmf_build_options', 'hmf_solve_options'].map(name => [name, numbers(structures[name]).map(field => field.name)]));
+    return Object.fromEntries(['hmf_hierarchy_options', 'hmf_solve_options'].map(name => [name, numbers(structures[name]).map(field => field.name)]));
 }
 
 /** Their types, with the words of the header. */
@@ -141,7 +141,7 @@ function optionTypes(options) {
             const [, words = ''] = new RegExp(`\\b${field};\\s*/\\*([\\s\\S]*?)\\*/`).exec(body) ?? [];
             return `    /** ${words.trim().replace(/\s+/g, ' ')} */\n    ${camel(field)}?: number;\n`;
         });
-        return `export interface ${name === 'hmf_build_options' ? 'BuildNumbers' : 'SolveNumbers'} {\n${lines.join('')}}\n`;
+        return `export interface ${name === 'hmf_hierarchy_options' ? 'BuildNumbers' : 'SolveNumbers'} {\n${lines.join('')}}\n`;
     });
     return `// Made by build.js from hmf.h; do not edit.\n${interfaces.join('\n')}`;
 }

@@ -34,7 +34,7 @@ static int make_loops(const struct plate* p, const struct mesh* m, hmf_loop_set*
     int x, y, s;
     memset(set, 0, sizeof *set);
     set->struct_size = sizeof *set;
-    set->element_kind = HMF_LOOP_VERTICES;
+    set->element_kind = HMF_PATH_VERTICES;
     set->count = count;
     set->offsets = offsets;
     set->elements = elements;
@@ -69,7 +69,7 @@ static int solve_plate(const struct plate* p) {
     hmf_status s = HMF_ERROR_MEMORY;
     int k;
     if (make_plate(p, &m) && make_loops(p, &m, &loops))
-        s = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &h, &e);
+        s = hmf_hierarchy_create(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &h, &e);
     if (!s) s = hmf_solve(h, &loops, NULL, NULL, &made[0], &e);
     if (!s) s = hmf_interpolate(made[0], hmf_level_count(h) - 1, NULL, &made[1], &e);
     if (!s) s = hmf_interpolate(made[1], 0, NULL, &made[2], &e);
@@ -78,7 +78,7 @@ static int solve_plate(const struct plate* p) {
         if (!s) print_values(p, &m, made[k]);
         hmf_foliation_destroy(made[k]);
     }
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
     free((void*)loops.offsets);
     free((void*)loops.elements);
     free(m.positions);

@@ -23,7 +23,7 @@ static int solve_plate(const struct plate* p) {
     hmf_error e = {0};
     hmf_status s = HMF_ERROR_MEMORY;
     if (make_plate(p, &m))
-        s = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &h, &e);
+        s = hmf_hierarchy_create(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &h, &e);
     if (!s) s = hmf_solve_cut_system(h, NULL, NULL, &f, &e);
     if (s) {
         fprintf(stderr, "%s: %s: %s\n", p->name, hmf_status_string(s), e.message);
@@ -35,7 +35,7 @@ static int solve_plate(const struct plate* p) {
                (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffffu));
     }
     hmf_foliation_destroy(f);
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
     free(m.positions);
     free(m.triangles);
     return s;

@@ -21,7 +21,7 @@ inline void any_values(Bytes& bytes, const hmf_hierarchy* h, bool memory_is_shor
     hmf_foliation* made = nullptr;
     hmf_error error{};
     meter_now->begin_call();
-    const hmf_status status = hmf_foliation_create(h, level, values.data(), values.size(), nullptr, &made, &error);
+    const hmf_status status = hmf_foliation_from_values(h, level, values.data(), values.size(), nullptr, &made, &error);
     const Owned<hmf_foliation> f(made);
     expect_status(status, error, {5, memory_is_short ? 2 : 5});
     FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));

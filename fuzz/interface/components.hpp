@@ -6,8 +6,8 @@
 
 namespace fuzz {
 
-// Divides any triangles.  The status that hmf_build has to have, if they are one component; else negative.
-inline hmf_status expect_components(const Surface& surface, size_t vertices, const hmf_build_options& build,
+// Divides any triangles.  The status that hmf_hierarchy_create has to have, if they are one component; else negative.
+inline hmf_status expect_components(const Surface& surface, size_t vertices, const hmf_hierarchy_options& build,
                                     bool memory_is_short) {
     const size_t triangles = surface.triangles.size() / 3;
     hmf_component_set* made = nullptr;

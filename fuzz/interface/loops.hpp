@@ -26,7 +26,7 @@ struct LoopArrays {
 // Closed walks over neighbors: some steps out, and back on a shortest way.
 inline void walks(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops, uint64_t count) {
     const size_t level = static_cast<size_t>(loops.set.level);
-    const bool vertices = loops.set.element_kind == HMF_LOOP_VERTICES;
+    const bool vertices = loops.set.element_kind == HMF_PATH_VERTICES;
     hmf_level_info info{};
     FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
     std::vector<uint32_t> ends(2 * info.edge_count), sides(3 * info.triangle_count);
@@ -70,7 +70,7 @@ inline void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     const uint8_t choice = bytes.byte();
     if (choice % 2 && loops.set.level < levels) {
         // The library's own, perhaps spoiled.
-        loops.set.element_kind = HMF_LOOP_TRIANGLES;
+        loops.set.element_kind = HMF_PATH_TRIANGLES;
         const int32_t kind = HMF_LOOPS_CUT + static_cast<int32_t>(bytes.below(4));
         const bool in_space = kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL; // which a dented surface may not be
         hmf_loop_set* made = nullptr;

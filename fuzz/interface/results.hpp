@@ -112,7 +112,7 @@ inline void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, boo
     size_t count = 0;
     const double* const values = hmf_foliation_values(f, &count);
     if (const auto read = result_of<hmf_foliation>({}, memory_is_short, [&](auto out) {
-            return hmf_foliation_create(h, level, values, count, nullptr, out, nullptr);
+            return hmf_foliation_from_values(h, level, values, count, nullptr, out, nullptr);
         }))
         FUZZ_ASSERT(std::equal(values, values + count, hmf_foliation_values(read.get(), nullptr)));
     expect_parameterization(h, f, memory_is_short);
@@ -129,11 +129,11 @@ inline void expect_level(const hmf_hierarchy* h, size_t level) {
     std::vector<uint32_t> ends(2 * info.edge_count), edges(3 * info.triangle_count), corners(3 * info.triangle_count);
     std::vector<double> weights(info.edge_count), positions(3 * info.vertex_count);
     hmf_error error{};
-    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size() - 1, &error) == HMF_ERROR_CAPACITY);
-    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), 0, &error) == HMF_ERROR_CAPACITY);
-    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), 1, &error) == HMF_ERROR_CAPACITY);
-    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size() - 1, &error) == HMF_ERROR_CAPACITY);
-    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), 2, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size() - 1, &error) == HMF_ERROR_COUNT);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), 0, &error) == HMF_ERROR_COUNT);
+    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), 1, &error) == HMF_ERROR_COUNT);
+    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size() - 1, &error) == HMF_ERROR_COUNT);
+    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), 2, &error) == HMF_ERROR_COUNT);
     FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
     FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), edges.size(), nullptr) == HMF_OK);
     FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), corners.size(), nullptr) == HMF_OK);

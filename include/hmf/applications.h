@@ -31,8 +31,9 @@ extern "C" {
 /* One of the components of a mesh: its parts of the arrays of hmf_component_set.
    first_* say where they begin. */
 typedef struct hmf_component {
-    hmf_status status;           /* what hmf_build says of it with the default options, mollify and the marked vertices:
-                                    HMF_OK, HMF_ERROR_MESH_GENUS if it carries no foliation, or its defect */
+    hmf_status status;           /* what hmf_hierarchy_create says of it with the default options, mollify and the
+                                    marked vertices: HMF_OK, HMF_ERROR_MESH_GENUS if it carries no foliation, or
+                                    its defect */
     int32_t element;             /* HMF_ELEMENT_* that the defect is about */
     uint64_t index;              /* of the element, in the whole mesh */
     uint64_t genus;              /* this and the next: 0 where the status is a defect */
@@ -49,7 +50,7 @@ typedef struct hmf_component {
 
 /* The components of a mesh, each with numbers of its own, in one block.  Arrays
    named part_* and whole_* have one component after the other: a part, as
-   hmf_build takes it and numbers it on level 0, and its numbers in the whole mesh. */
+   hmf_hierarchy_create takes it and numbers it on level 0, and its numbers in the whole mesh. */
 typedef struct hmf_component_set {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
@@ -81,15 +82,15 @@ typedef struct hmf_component_set {
  *         if (c->status) continue;                        it carries no foliation: values 0
  *         options.marked_vertices = set->part_marks + c->first_mark;
  *         options.marked_count = c->marked_count;
- *         hmf_build(set->part_positions + 3 * c->first_vertex, c->vertex_count,
- *                   set->part_triangles + 3 * c->first_triangle, c->triangle_count, &options, ...);
+ *         hmf_hierarchy_create(set->part_positions + 3 * c->first_vertex, c->vertex_count,
+ *                              set->part_triangles + 3 * c->first_triangle, c->triangle_count, &options, ...);
  *         hmf_solve(...);
  *         for (e = 0; e < c->edge_count; ++e)
  *             values[set->whole_edges[c->first_edge + e]] = own_values[e];
  *     }
  *
  * Elements of a component keep the order that they have in the whole mesh.  Edges
- * are numbered as on level 0.  Each component is checked as hmf_build does; a
+ * are numbered as on level 0.  Each component is checked as hmf_hierarchy_create does; a
  * defect is its status, not an error of this call.  Vertices without a triangle
  * are in no component.
  *
@@ -99,7 +100,7 @@ typedef struct hmf_component_set {
  * HMF_ERROR_MESH_COUNTS, HMF_ERROR_MESH_INDEX.
  */
 HMF_API hmf_status hmf_components(const double *positions, size_t vertex_count, const uint32_t *triangles,
-                                  size_t triangle_count, const hmf_build_options *options,
+                                  size_t triangle_count, const hmf_hierarchy_options *options,
                                   const hmf_control *control, hmf_component_set **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
@@ -121,14 +122,14 @@ typedef struct hmf_mark_set {
  * equal lengths, corners near these where there are; or, where that is short (its
  * square less than twice the area), tips as a sphere.
  * None where none are needed.  The same input gives the same marks.
- * Of several components each gets its own, but for those that hmf_build refuses
+ * Of several components each gets its own, but for those that hmf_hierarchy_create refuses
  * whatever is marked.
  *
  * Of the options, position_stride, mollify and the memory count.  Free with
- * hmf_free.  Errors: as hmf_build.
+ * hmf_free.  Errors: as hmf_hierarchy_create.
  */
 HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_count, const uint32_t *triangles,
-                                     size_t triangle_count, const hmf_build_options *options,
+                                     size_t triangle_count, const hmf_hierarchy_options *options,
                                      const hmf_control *control, hmf_mark_set **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
@@ -156,7 +157,7 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
  * measured on finer levels, of about 100 000 vertices at most, where they are close.
  * PANTS are shortened then, as long as one of them, or two that bound a piece
  * together, can be replaced by shorter ones.  A hierarchy with other options gets
- * the loops from there, for the time and the memory of another hmf_build.  So the
+ * the loops from there, for the time and the memory of another hmf_hierarchy_create.  So the
  * classes do not depend on ratio, collapse and coarsest.  Other triangles of the
  * same shape, or the same ones in another order, may have other classes where fine
  * detail is close to the size of the triangles of that level, and what is smaller
@@ -201,8 +202,8 @@ HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hm
 typedef struct hmf_design_options {
     uint32_t struct_size;
     int32_t no_poles;            /* 1: no marked vertices but those of `build`, where that can be; else 0 */
-    const hmf_build_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, allocator, and
-                                    marked vertices, which are then part of every design */
+    const hmf_hierarchy_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, allocator,
+                                    and marked vertices, which are then part of every design */
     uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1000 vertices, 3 ms each; a solve with n
                                     loops counts 1 + n / 8.  Default 120, or edges / 400 where that is more: about ten
                                     solves of the whole mesh, and again up to 150 where the
@@ -214,7 +215,7 @@ typedef struct hmf_design {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
     uint64_t marked_count;
-    const uint32_t *marked_vertices; /* marked_count, for hmf_build_options */
+    const uint32_t *marked_vertices; /* marked_count, for hmf_hierarchy_options */
     const hmf_loop_set *loops;   /* triangle loops of level 0 for hmf_solve on a hierarchy with these marked vertices.
                                     Weights are whole numbers, so that patterns of period 1 match everywhere; 1 is
                                     about 1/44 of the size.  Part of this block: not to be freed on its own */
@@ -236,12 +237,12 @@ typedef struct hmf_design {
  * weights alone are searched; solve_limit then bounds the rounds.
  *
  *     hmf_even_design       -> design
- *     hmf_build             with design->marked_vertices
+ *     hmf_hierarchy_create  with design->marked_vertices
  *     hmf_solve             with design->loops
  *
  * Deterministic: the search counts solves, not time.
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found,
- * or an error as hmf_build.  Free with hmf_free.
+ * or an error as hmf_hierarchy_create.  Free with hmf_free.
  */
 HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count, const uint32_t *triangles,
                                    size_t triangle_count, const hmf_design_options *options,

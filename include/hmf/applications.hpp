@@ -86,7 +86,7 @@ public:
 inline Leaves trace(const Foliation& foliation, const TraceOptions& options = {},
                     const ProgressFunction& progress = nullptr) {
     if (options.point_barycentrics.size() != 3 * options.point_triangles.size())
-        throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
+        throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
                     "There are " + std::to_string(options.point_barycentrics.size()) + " barycentric coordinates for "
                         + std::to_string(options.point_triangles.size()) + " points. Give three for each.");
     hmf_trace_options all = {};

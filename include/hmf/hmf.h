@@ -13,11 +13,11 @@
  *
  * In five calls:
  *
- *     hmf_build          positions + triangles  -> hierarchy
- *     hmf_loops          hierarchy              -> loops, flat arrays; in hmf/applications.h, or your own
- *     hmf_solve          hierarchy, loops       -> foliation
- *     hmf_foliation_values                      -> one number per edge
- *     hmf_foliation_destroy, hmf_free, hmf_destroy
+ *     hmf_hierarchy_create  positions + triangles  -> hierarchy
+ *     hmf_loops             hierarchy              -> loops, flat arrays; in hmf/applications.h, or your own
+ *     hmf_solve             hierarchy, loops       -> foliation
+ *     hmf_foliation_values                         -> one number per edge
+ *     hmf_foliation_destroy, hmf_free, hmf_hierarchy_destroy
  *
  * This header is the core, the library hmf_core.  hmf/applications.h has the search for
  * loops, and what one does with a foliation: parameterize, trace leaves,
@@ -41,7 +41,7 @@
  *             hierarchy: they can be destroyed in any order.  There is no
  *             global state.
  *   arrays    Where the size is known beforehand the caller allocates and
- *             says how many elements there is room for (HMF_ERROR_CAPACITY:
+ *             says how many elements there is room for (HMF_ERROR_COUNT:
  *             too few).  Else the library makes the result: one structure
  *             with counts and flat arrays, in one block, to be freed with
  *             hmf_free.
@@ -124,7 +124,7 @@ typedef int32_t hmf_status;
 /* the call itself */
 #define HMF_ERROR_NULL 100       /* a pointer that must not be NULL is */
 #define HMF_ERROR_OPTIONS 101    /* an option is out of range or from a newer header */
-#define HMF_ERROR_CAPACITY 102   /* an array has the wrong number of elements */
+#define HMF_ERROR_COUNT 102   /* an array has the wrong number of elements */
 #define HMF_ERROR_LEVEL 103      /* no such level */
 #define HMF_ERROR_UNSUPPORTED 104 /* not available in this version */
 
@@ -137,7 +137,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_INDEX 301 /* a triangle names a vertex that does not exist */
 #define HMF_ERROR_MESH_NOT_FINITE 302 /* a coordinate is infinite or not a number */
 #define HMF_ERROR_MESH_REPEATED_VERTEX 303 /* a triangle names one vertex twice */
-#define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area (see mollify in hmf_build_options) */
+#define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area (see mollify in hmf_hierarchy_options) */
 #define HMF_ERROR_MESH_BOUNDARY 305 /* a surface with boundary, where only closed ones have a meaning */
 #define HMF_ERROR_MESH_NON_MANIFOLD_EDGE 306 /* an edge with three or more triangles */
 #define HMF_ERROR_MESH_ORIENTATION 307 /* neighboring triangles turn in opposite senses */
@@ -267,14 +267,14 @@ HMF_API void hmf_free(const void *result);
 #define HMF_COLLAPSE_ENDPOINT 2  /* shortest edge, to one end */
 #define HMF_COLLAPSE_QSLIM 3     /* least quadric error, to its best point */
 
-typedef struct hmf_build_options {
+typedef struct hmf_hierarchy_options {
     uint32_t struct_size;
     int32_t collapse;            /* HMF_COLLAPSE_* */
     double ratio;                /* edges of a level / edges of the finer one; in [0.05, 0.95], default 0.5 */
     uint64_t coarsest;           /* vertices of the coarsest level to aim for; default a sixteenth of all, 1000 at
                                     most; at least 40 * genus + 10 * marked_count */
-    uint64_t memory_limit;       /* bytes in use by hmf_build, 0 = none; later calls: by the hierarchy and the
-                                    call together, without foliations and results that are kept */
+    uint64_t memory_limit;       /* bytes in use by hmf_hierarchy_create, 0 = none; later calls: by the hierarchy and
+                                    the call together, without foliations and results that are kept */
     hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
     hmf_release_fn release;
     void *allocator_user;
@@ -287,7 +287,7 @@ typedef struct hmf_build_options {
                                     boundary, where one inside counts as two.  They never move and are no poles of the
                                     report; indices add up to 4 - 4 * genus - marked_count */
     uint64_t marked_count;
-} hmf_build_options;
+} hmf_hierarchy_options;
 
 /* An immutable hierarchy of triangle meshes. */
 typedef struct hmf_hierarchy hmf_hierarchy;
@@ -298,7 +298,7 @@ typedef struct hmf_foliation hmf_foliation;
 /*
  * Validates a connected, oriented manifold mesh, with or without boundary,
  * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).  A sphere
- * or a disk needs marked vertices; see hmf_build_options.
+ * or a disk needs marked vertices; see hmf_hierarchy_options.
  *
  *   positions   vertex_count x 3, any unit; see options->position_stride
  *   triangles   triangle_count x 3 vertex indices, counter-clockwise or all
@@ -309,18 +309,19 @@ typedef struct hmf_foliation hmf_foliation;
  * as much with boundary.
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300.
  */
-HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, const uint32_t *triangles,
-                             size_t triangle_count, const hmf_build_options *options, const hmf_control *control,
-                             hmf_hierarchy **out, hmf_error *error);
+HMF_API hmf_status hmf_hierarchy_create(const double *positions, size_t vertex_count, const uint32_t *triangles,
+                                        size_t triangle_count, const hmf_hierarchy_options *options,
+                                        const hmf_control *control, hmf_hierarchy **out, hmf_error *error);
 
 /* Gives a hierarchy back; NULL is allowed.  Its memory is freed with the last
    of its foliations. */
-HMF_API void hmf_destroy(hmf_hierarchy *hierarchy);
+HMF_API void hmf_hierarchy_destroy(hmf_hierarchy *hierarchy);
 
-/* Upper bound of the bytes that hmf_build will use at its peak with the given
-   options (NULL = defaults); 0 if the counts are unusable.  For a mesh with
+/* Upper bound of the bytes that hmf_hierarchy_create will use at its peak with the
+   given options (NULL = defaults); 0 if the counts are unusable.  For a mesh with
    boundary: with twice the counts, as its double is built. */
-HMF_API uint64_t hmf_memory_estimate(size_t vertex_count, size_t triangle_count, const hmf_build_options *options);
+HMF_API uint64_t hmf_hierarchy_memory_estimate(size_t vertex_count, size_t triangle_count,
+                                               const hmf_hierarchy_options *options);
 
 /* Bytes held by the hierarchy; 0 for NULL. */
 HMF_API uint64_t hmf_hierarchy_memory(const hmf_hierarchy *hierarchy);
@@ -349,7 +350,7 @@ HMF_API size_t hmf_boundary_count(const hmf_hierarchy *hierarchy);
 /* The calls below fill a structure or an array of the caller for one level; the
    counts are those of hmf_level_counts, capacity is a number of elements, not of
    bytes.  They are short, so they take no control.
-   Returns HMF_OK, HMF_ERROR_NULL, HMF_ERROR_LEVEL or HMF_ERROR_CAPACITY. */
+   Returns HMF_OK, HMF_ERROR_NULL, HMF_ERROR_LEVEL or HMF_ERROR_COUNT. */
 
 /* Counts of one level. */
 HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out,
@@ -384,8 +385,8 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
  * --------------------------------------------------------------------- */
 
 /* What the elements of a loop are. */
-#define HMF_LOOP_TRIANGLES 1     /* consecutive triangles share an edge; the last and the first as well */
-#define HMF_LOOP_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
+#define HMF_PATH_TRIANGLES 1     /* consecutive triangles share an edge; the last and the first as well */
+#define HMF_PATH_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
 
 /* A set of closed curves on a level, as flat arrays.  With boundary they lie on
    level 0; loops that can be pushed into the boundary make leaves run along it,
@@ -394,7 +395,7 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
    boundary to another one, whose side on the boundary it crosses. */
 typedef struct hmf_loop_set {
     uint32_t struct_size;
-    int32_t element_kind;        /* HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES */
+    int32_t element_kind;        /* HMF_PATH_TRIANGLES or HMF_PATH_VERTICES */
     uint64_t level;              /* of the elements; loops of fine levels are restricted exactly */
     uint64_t count;
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
@@ -422,8 +423,8 @@ typedef struct hmf_loop_set {
  * Returns HMF_OK, or an error of classes 100 (HMF_ERROR_UNSUPPORTED: as
  * hmf_solve), 200, 400.
  */
-HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
-                                  const hmf_control *control, hmf_foliation **out, hmf_error *error);
+HMF_API hmf_status hmf_foliation_from_loops(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
+                                            const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
  * Foliation
@@ -445,9 +446,9 @@ HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop
  *
  * Returns HMF_OK, or an error of classes 100, 200, 500.
  */
-HMF_API hmf_status hmf_foliation_create(const hmf_hierarchy *hierarchy, size_t level, const double *values,
-                                        size_t count, const hmf_control *control, hmf_foliation **out,
-                                        hmf_error *error);
+HMF_API hmf_status hmf_foliation_from_values(const hmf_hierarchy *hierarchy, size_t level, const double *values,
+                                             size_t count, const hmf_control *control, hmf_foliation **out,
+                                             hmf_error *error);
 
 /* Frees a foliation; NULL is allowed. */
 HMF_API void hmf_foliation_destroy(hmf_foliation *foliation);

@@ -132,7 +132,7 @@ enum class Method : int32_t {
     paper = HMF_METHOD_PAPER,
 };
 
-enum class LoopElements : int32_t { triangles = HMF_LOOP_TRIANGLES, vertices = HMF_LOOP_VERTICES };
+enum class LoopElements : int32_t { triangles = HMF_PATH_TRIANGLES, vertices = HMF_PATH_VERTICES };
 
 enum class LoopsKind : int32_t {
     cut = HMF_LOOPS_CUT,
@@ -141,9 +141,9 @@ enum class LoopsKind : int32_t {
     pants = HMF_LOOPS_PANTS
 };
 
-/* The fields of hmf_build_options; zero means the default.  Two have a type of C++; positions are packed. */
-struct BuildOptions : hmf_build_options {
-    BuildOptions() : hmf_build_options{} {}
+/* The fields of hmf_hierarchy_options; zero means the default.  Two have a type of C++; positions are packed. */
+struct BuildOptions : hmf_hierarchy_options {
+    BuildOptions() : hmf_hierarchy_options{} {}
     Collapse collapse = Collapse::automatic;
     Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
@@ -224,7 +224,7 @@ namespace detail {
 
 struct Delete {
     void operator()(const hmf_hierarchy* hierarchy) const noexcept {
-        hmf_destroy(const_cast<hmf_hierarchy*>(hierarchy));
+        hmf_hierarchy_destroy(const_cast<hmf_hierarchy*>(hierarchy));
     }
     void operator()(const hmf_foliation* foliation) const noexcept {
         hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
@@ -314,13 +314,13 @@ Handle<T> make(const ProgressFunction& progress, Call&& call) {
 /* Throws unless an array holds three numbers for each element. */
 inline void check_triples(std::size_t size, const char* what, const char* element) {
     if (size % 3 != 0)
-        throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
+        throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
                     std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element
                         + ".");
 }
 
-inline hmf_build_options raw(const BuildOptions& options) {
-    hmf_build_options all = options;
+inline hmf_hierarchy_options raw(const BuildOptions& options) {
+    hmf_hierarchy_options all = options;
     all.struct_size = sizeof all;
     all.collapse = static_cast<int32_t>(options.collapse);
     all.position_stride = 0; /* packed */
@@ -332,11 +332,11 @@ inline hmf_build_options raw(const BuildOptions& options) {
 /* For calls during which the loops live.  Throws what C cannot see. */
 inline hmf_loop_set raw(const Loops& loops) {
     if (loops.weights.size() != loops.size())
-        throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
+        throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
                     "There are " + std::to_string(loops.weights.size()) + " weights for " + std::to_string(loops.size())
                         + " loops. Give one for each.");
     if (!loops.arcs.empty() && loops.arcs.size() != loops.size())
-        throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
+        throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
                     "There are " + std::to_string(loops.arcs.size()) + " entries of arcs for "
                         + std::to_string(loops.size()) + " loops. Use Loops::add_arc.");
     if (!loops.offsets.empty() && loops.offsets.back() != loops.elements.size())
@@ -566,15 +566,15 @@ struct Design {
 /* An immutable hierarchy of triangle meshes. */
 class Hierarchy {
 public:
-    /* hmf_build.  positions: vertex_count x 3; triangles: triangle_count x 3. */
+    /* hmf_hierarchy_create.  positions: vertex_count x 3; triangles: triangle_count x 3. */
     Hierarchy(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
               const ProgressFunction& progress = nullptr) {
         detail::check_triples(positions.size(), "positions", "vertex");
         detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_build_options all = detail::raw(options);
+        const hmf_hierarchy_options all = detail::raw(options);
         handle_ = detail::make<hmf_hierarchy>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-            return hmf_build(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3, &all,
-                             control, out, error);
+            return hmf_hierarchy_create(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
+                                        &all, control, out, error);
         });
     }
 
@@ -587,7 +587,7 @@ public:
                                                const ProgressFunction& progress = nullptr) {
         detail::check_triples(positions.size(), "positions", "vertex");
         detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_build_options all = detail::raw(options);
+        const hmf_hierarchy_options all = detail::raw(options);
         const auto set =
             detail::make<hmf_mark_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
                 return hmf_suggest_marks(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
@@ -601,7 +601,7 @@ public:
                               const ProgressFunction& progress = nullptr) {
         detail::check_triples(positions.size(), "positions", "vertex");
         detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_build_options build = detail::raw(options.build);
+        const hmf_hierarchy_options build = detail::raw(options.build);
         hmf_design_options all = {};
         all.struct_size = sizeof all;
         all.no_poles = options.no_poles;
@@ -619,11 +619,11 @@ public:
                 made->solves};
     }
 
-    /* hmf_memory_estimate */
+    /* hmf_hierarchy_memory_estimate */
     static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count,
                                     const BuildOptions& options = {}) {
-        const hmf_build_options all = detail::raw(options);
-        return hmf_memory_estimate(vertex_count, triangle_count, &all);
+        const hmf_hierarchy_options all = detail::raw(options);
+        return hmf_hierarchy_memory_estimate(vertex_count, triangle_count, &all);
     }
 
     /* The object, for calls of hmf.h; it stays ours. */
@@ -669,21 +669,20 @@ public:
             }));
     }
 
-    /* hmf_initialize */
+    /* hmf_foliation_from_loops */
     Foliation initialize(const Loops& loops, const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
-        return Foliation(detail::make<hmf_foliation>(progress,
-                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
-                                                         return hmf_initialize(get(), &set, control, out, error);
-                                                     }),
-                         genus());
+        const auto make = [&](const hmf_control* control, auto out, hmf_error* error) {
+            return hmf_foliation_from_loops(get(), &set, control, out, error);
+        };
+        return Foliation(detail::make<hmf_foliation>(progress, make), genus());
     }
 
-    /* hmf_foliation_create: a foliation of values, edge_count of the level. */
+    /* hmf_foliation_from_values: a foliation of values, edge_count of the level. */
     Foliation foliation(std::size_t level, Span<double> values, const ProgressFunction& progress = nullptr) const {
         return Foliation(detail::make<hmf_foliation>(progress,
                                                      [&](const hmf_control* control, auto out, hmf_error* error) {
-                                                         return hmf_foliation_create(get(), level, values.data(),
+                                                         return hmf_foliation_from_values(get(), level, values.data(),
                                                                                      values.size(), control, out,
                                                                                      error);
                                                      }),
@@ -781,7 +780,7 @@ private:
                                                     const BuildOptions& options, const ProgressFunction& progress) {
         detail::check_triples(positions.size(), "positions", "vertex");
         detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_build_options all = detail::raw(options);
+        const hmf_hierarchy_options all = detail::raw(options);
         return detail::make<hmf_component_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
             return hmf_components(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3, &all,
                                   control, out, error);

@@ -63,10 +63,11 @@ bool cut_holes(const TriMesh& whole, uint64_t k, TriMesh& mesh) {
     for (uint64_t tries = 0; tries < 8; ++tries) {
         mesh = with_holes(whole, std::max(size_t{1 + k * 7 % 50} >> tries, size_t{1}), 1 + k % 3, 8 * k + tries);
         hmf_hierarchy* h = nullptr;
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                            mesh.triangle_count(), nullptr, nullptr, &h, nullptr);
+        const hmf_status status =
+            hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), nullptr, nullptr, &h, nullptr);
         if (h) mesh.genus = hmf_genus(h);
-        hmf_destroy(h);
+        hmf_hierarchy_destroy(h);
         if (status == HMF_OK) return true;
     }
     return false;

@@ -46,8 +46,8 @@ TriMesh tetrahedron(size_t refinements) {
     return mesh;
 }
 
-hmf_build_options with_marks(const uint32_t* marks, size_t count) {
-    hmf_build_options options{};
+hmf_hierarchy_options with_marks(const uint32_t* marks, size_t count) {
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.marked_vertices = marks;
     options.marked_count = count;
@@ -61,7 +61,7 @@ Owned<hmf_design> design(const TriMesh& mesh, const hmf_design_options* options 
     });
 }
 
-hmf_design_options design_options(uint64_t solves, int32_t no_poles, const hmf_build_options* build) {
+hmf_design_options design_options(uint64_t solves, int32_t no_poles, const hmf_hierarchy_options* build) {
     hmf_design_options options{};
     options.struct_size = sizeof options;
     options.solve_limit = solves;
@@ -134,7 +134,7 @@ TEST(Scale, FlatPillow) {
 // A triangle that is flat up to rounding has no area to speak of and any density: the unevenness is that of the same
 // torus with an exactly flat one.
 TEST(Scale, FlatTrianglesMeasureNothing) {
-    hmf_build_options build{};
+    hmf_hierarchy_options build{};
     build.struct_size = sizeof build;
     build.mollify = 0.005;
     for (const size_t t : {3u, 100u, 211u}) {
@@ -178,7 +178,7 @@ TEST(Scale, EnergyAndDeviation) {
     EXPECT_EQ(other, unevenness);
     std::vector<double> room(mesh.triangle_count() - 1, 7);
     EXPECT_EQ(hmf_conformal_scale(solution.foliation.get(), nullptr, room.data(), room.size(), nullptr, &error),
-              HMF_ERROR_CAPACITY);
+              HMF_ERROR_COUNT);
     EXPECT_EQ(std::count(room.begin(), room.end(), 7), static_cast<long>(room.size()));
     EXPECT_EQ(hmf_conformal_scale(solution.foliation.get(), nullptr, nullptr, 0, nullptr, &error), HMF_ERROR_NULL);
 }
@@ -357,7 +357,7 @@ TEST(EvenDesign, WeightsFollowTheSizeOfHandles) {
 TEST(EvenDesign, MarkedVerticesStay) {
     const TriMesh mesh = torus_with_finger(40, 20, 30, 4);
     const uint32_t marks[3] = {5, 77, 400};
-    const hmf_build_options build = with_marks(marks, 3);
+    const hmf_hierarchy_options build = with_marks(marks, 3);
     const hmf_design_options options = design_options(0, 0, &build);
     const auto made = design(mesh, &options);
     ASSERT_TRUE(made);

@@ -281,7 +281,7 @@ TEST_P(Leaves, Cylinders) {
     const hmf_loop_set& middle = *set->leaves;
     ASSERT_EQ(middle.count, count);
     EXPECT_EQ(middle.struct_size, sizeof middle);
-    EXPECT_EQ(middle.element_kind, HMF_LOOP_TRIANGLES);
+    EXPECT_EQ(middle.element_kind, HMF_PATH_TRIANGLES);
     EXPECT_EQ(middle.level, 0u);
     Loops leaves;
     leaves.offsets.assign(middle.offsets, middle.offsets + count + 1);

@@ -86,7 +86,7 @@ Problem twisted(Random& random) {
             if (j == until) break;
         }
     }
-    p.loops.kind = HMF_LOOP_VERTICES;
+    p.loops.kind = HMF_PATH_VERTICES;
     p.loops.add(path);
     return p;
 }
@@ -118,16 +118,16 @@ struct Tally {
 
 // exact: there are no zeros.
 void run(Problem p, bool exact, Tally& tally) {
-    const hmf_build_options options = with_marks(p.marks);
+    const hmf_hierarchy_options options = with_marks(p.marks);
     hmf_hierarchy* raw = nullptr;
     if (p.mesh.vertex_count() == 0
-        || hmf_build(p.mesh.positions.data(), p.mesh.vertex_count(), p.mesh.triangles.data(), p.mesh.triangle_count(),
-                     &options, nullptr, &raw, nullptr)
+        || hmf_hierarchy_create(p.mesh.positions.data(), p.mesh.vertex_count(), p.mesh.triangles.data(),
+                                p.mesh.triangle_count(), &options, nullptr, &raw, nullptr)
                != HMF_OK) {
         ++tally.unlucky; // too few vertices
         return;
     }
-    hmf_destroy(raw);
+    hmf_hierarchy_destroy(raw);
     const Hierarchy hierarchy(p.mesh, options);
     const auto set = p.loops.count() ? nullptr : loops_of(hierarchy, p.kind);
     if (set) {
@@ -151,7 +151,7 @@ void run(Problem p, bool exact, Tally& tally) {
     ASSERT_EQ(status, HMF_OK) << error.message;
     ++tally.maps;
     const LevelMesh mesh = read_level(hierarchy, 0);
-    const bool crosses = p.loops.kind == HMF_LOOP_TRIANGLES && !p.has_boundary;
+    const bool crosses = p.loops.kind == HMF_PATH_TRIANGLES && !p.has_boundary;
     const MapJudgment judged = judge_map(mesh, s.foliation, crosses ? p.loops : Loops(), *map);
     EXPECT_EQ(judged.defect, "");
     EXPECT_NEAR(judged.area, map->area, 1e-9 * map->area);

@@ -270,7 +270,7 @@ TEST(Quads, Refusals) {
 // A vertex on the line between two others of its triangle, up to rounding: the area is nothing but rounding, and what
 // it measures must not decide how rows are joined.  With other rounding the quads are the same.
 TEST(Quads, TrianglesThatAreFlatUpToRounding) {
-    hmf_build_options build{};
+    hmf_hierarchy_options build{};
     build.struct_size = sizeof build;
     build.mollify = 0.005;
     hmf_quad_options options{};
@@ -303,7 +303,7 @@ TEST(Quads, TrianglesThatAreFlatUpToRounding) {
 // columns of a cylinder's two sides, rounded one by one, are millions apart. They are brought together in few steps
 // (each asks once for progress; one column in a step took 8 s), and the quads are as many as wished and sound.
 TEST(Quads, ColumnsThatAreMillionsApart) {
-    hmf_build_options build{};
+    hmf_hierarchy_options build{};
     build.struct_size = sizeof build;
     build.mollify = 1e-5;
     const Hierarchy hierarchy(with_bad_triangles(plate(3), 10, 1e-5, 4), build);

@@ -60,7 +60,7 @@ std::vector<double> kept(const TriMesh& mesh) {
     FoundLoops found;
     DoubledLoops doubled;
     EXPECT_EQ(surface_loops(h, HMF_LOOPS_PANTS, call, found), HMF_OK);
-    const SurfaceLoops loops = {HMF_LOOP_TRIANGLES,     found.count(),     found.offsets.data(),
+    const SurfaceLoops loops = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
                                 found.triangles.data(), found.arcs.data(), found.is_round.data()};
     EXPECT_EQ(double_loops(h, loops, call, doubled), HMF_OK);
     EXPECT_EQ(check_loops(h.input, doubled.loops, call, nullptr), HMF_OK);

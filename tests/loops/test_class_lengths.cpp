@@ -51,7 +51,7 @@ public:
             for (uint32_t& f : faces) f = hmf::internal_face(h, f);
         const uint64_t offsets[] = {0, faces.size()};
         hmf::Loops read;
-        EXPECT_EQ(hmf::read_loops(hmf::loop_mesh(h, level_), HMF_LOOP_TRIANGLES, 1, offsets, faces.data(), call_, read),
+        EXPECT_EQ(hmf::read_loops(hmf::loop_mesh(h, level_), HMF_PATH_TRIANGLES, 1, offsets, faces.data(), call_, read),
                   HMF_OK)
             << error_.message;
         uint32_t id = 0;

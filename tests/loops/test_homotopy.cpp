@@ -333,7 +333,7 @@ TEST(Homotopy, WordsGoFromLevelToLevel) {
             for (size_t v = 0; v < mesh.vertex_count(); ++v) mesh.positions[3 * v] *= 4; // so that edges flip
             std::vector<uint32_t> marked = permutation(static_cast<uint32_t>(mesh.vertex_count()), random);
             marked.resize(marks);
-            hmf_build_options options{};
+            hmf_hierarchy_options options{};
             options.struct_size = sizeof options;
             options.coarsest = 8;
             options.marked_vertices = marked.data();

@@ -218,15 +218,15 @@ TEST(HandleLoops, SurfacesWithRandomPlaces) {
         for (int i = 0; i < 40; ++i) mesh.positions[random.below(mesh.positions.size())] += 4 * random.unit() - 2;
         hmf_hierarchy* hierarchy = nullptr;
         hmf_error error{};
-        if (hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), nullptr,
-                      nullptr, &hierarchy, &error))
+        if (hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), nullptr, nullptr, &hierarchy, &error))
             continue;
         for (const int32_t kind : {HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
             const hmf_status status = loops_status(hierarchy, kind, error);
             EXPECT_TRUE(status == HMF_OK || status == HMF_ERROR_MESH_NOT_EMBEDDED) << seed << ": " << error.message;
             ++(status ? refused : made);
         }
-        hmf_destroy(hierarchy);
+        hmf_hierarchy_destroy(hierarchy);
     }
     EXPECT_GT(made, 20u);
     EXPECT_GT(refused, 20u);
@@ -572,7 +572,7 @@ TEST(DrawnLoops, CrossingIsNamed) {
     // Vertex i * 16 + j: around the tube at i = 2, and around the hole at j = 5.
     const Hierarchy hierarchy(torus(40, 16, 3, 1));
     Loops loops;
-    loops.kind = HMF_LOOP_VERTICES;
+    loops.kind = HMF_PATH_VERTICES;
     std::vector<uint32_t> tube, hole;
     for (uint32_t j = 0; j < 16; ++j) tube.push_back(2 * 16 + j);
     for (uint32_t i = 0; i < 40; ++i) hole.push_back(i * 16 + 5);
@@ -581,7 +581,7 @@ TEST(DrawnLoops, CrossingIsNamed) {
     hmf_error error{};
     hmf_foliation* none = nullptr;
     const hmf_loop_set set = loops.view();
-    EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, nullptr, &none, &error), HMF_ERROR_LOOP_CROSSING);
+    EXPECT_EQ(hmf_foliation_from_loops(hierarchy.get(), &set, nullptr, &none, &error), HMF_ERROR_LOOP_CROSSING);
     EXPECT_EQ(none, nullptr);
     EXPECT_EQ(error.index, 1u);
     EXPECT_NE(std::string(error.message).find("Loop 1 crosses loop 0, which it meets at vertex 37."), std::string::npos)
@@ -633,7 +633,7 @@ TEST(DrawnLoops, FirstCrossingIsNamed) {
     for (uint32_t i = 0; i < 40; ++i) hole.push_back(i * 16 + 5);
     for (size_t place = 1; place <= 6; ++place) {
         Loops loops;
-        loops.kind = HMF_LOOP_VERTICES;
+        loops.kind = HMF_PATH_VERTICES;
         for (size_t k = 0; k < 6; ++k) {
             if (k == place) loops.add(hole);
             std::vector<uint32_t> tube;
@@ -644,7 +644,7 @@ TEST(DrawnLoops, FirstCrossingIsNamed) {
         hmf_error error{};
         hmf_foliation* none = nullptr;
         const hmf_loop_set set = loops.view();
-        EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, nullptr, &none, &error), HMF_ERROR_LOOP_CROSSING);
+        EXPECT_EQ(hmf_foliation_from_loops(hierarchy.get(), &set, nullptr, &none, &error), HMF_ERROR_LOOP_CROSSING);
         EXPECT_EQ(error.index, place);
         const std::string wanted = "Loop " + std::to_string(place) + " crosses loop 0, which it meets at vertex 37.";
         EXPECT_NE(std::string(error.message).find(wanted), std::string::npos) << error.message;

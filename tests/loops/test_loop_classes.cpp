@@ -41,8 +41,8 @@ std::vector<uint32_t> shuffled(size_t n, uint32_t seed) {
     return order;
 }
 
-hmf_build_options marked(const std::vector<uint32_t>& marks, double ratio = 0.5) {
-    hmf_build_options options{};
+hmf_hierarchy_options marked(const std::vector<uint32_t>& marks, double ratio = 0.5) {
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.ratio = ratio;
     options.marked_vertices = marks.data();
@@ -72,7 +72,7 @@ public:
         for (const uint32_t t : loops.elements) faces.push_back(internal_[triangle[t]]);
         hmf::Loops read;
         EXPECT_FALSE(
-            hmf::read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call_, read))
+            hmf::read_loops(mesh, HMF_PATH_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call_, read))
             << error_.message;
         hmf::ClosedGeodesic geodesic(mesh, hierarchy_.get()->levels[0].position, 0, call_);
         Classes out;

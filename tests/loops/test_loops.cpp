@@ -82,7 +82,7 @@ void expect_cut_system(test::MadeMesh& made, bool round_trip = true) {
         std::vector<uint32_t> faces;
         for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
         Loops again;
-        ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again),
+        ASSERT_EQ(read_loops(mesh, HMF_PATH_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again),
                   HMF_OK)
             << c.error.message;
         EXPECT_EQ(check_loops(mesh, again, c.call), HMF_OK) << c.error.message;
@@ -211,7 +211,7 @@ TEST(CutSystem, EveryAllocationMayFail) {
             hmf_status status = cut_system(mesh, made.positions.data(), call, loops);
             if (status == HMF_OK) {
                 for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
-                status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call,
+                status = read_loops(mesh, HMF_PATH_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call,
                                     again);
             }
             if (status == HMF_OK) status = check_loops(mesh, again, call);
@@ -248,16 +248,16 @@ class OnTorus : public ::testing::Test {
 protected:
     test::MadeMesh made{test::torus_triangles(N, M)};
     Mesh mesh = made.mesh();
-    Read vertices(const std::vector<std::vector<uint32_t>>& loops) { return Read(mesh, HMF_LOOP_VERTICES, loops); }
-    Read triangles(const std::vector<std::vector<uint32_t>>& loops) { return Read(mesh, HMF_LOOP_TRIANGLES, loops); }
+    Read vertices(const std::vector<std::vector<uint32_t>>& loops) { return Read(mesh, HMF_PATH_VERTICES, loops); }
+    Read triangles(const std::vector<std::vector<uint32_t>>& loops) { return Read(mesh, HMF_PATH_TRIANGLES, loops); }
 };
 
 TEST_F(OnTorus, MeridianAndLongitude) {
     for (const auto& path : {meridian(2), longitude(4)}) {
-        Read r(mesh, HMF_LOOP_VERTICES, {path});
+        Read r(mesh, HMF_PATH_VERTICES, {path});
         EXPECT_EQ(r.status(), HMF_OK) << r.context.error.message;
     }
-    Read m(mesh, HMF_LOOP_VERTICES, {meridian(2)});
+    Read m(mesh, HMF_PATH_VERTICES, {meridian(2)});
     EXPECT_EQ(parity(mesh, m.loops, 0, longitude(0)), 1u);
     EXPECT_EQ(parity(mesh, m.loops, 0, meridian(7)), 0u);
 }
@@ -267,12 +267,12 @@ TEST_F(OnTorus, DetoursDoNotMatter) {
     std::vector<uint32_t> wiggly = {at(3, 0), at(2, 0), at(2, 1), at(3, 1), at(2, 1), at(3, 2), at(2, 2),
                                     at(2, 3), at(2, 4), at(1, 4), at(0, 4), at(1, 4), at(2, 4), at(3, 5),
                                     at(2, 5), at(2, 6), at(2, 7), at(2, 8), at(2, 0)};
-    Read straight(mesh, HMF_LOOP_VERTICES, {meridian(2)});
+    Read straight(mesh, HMF_PATH_VERTICES, {meridian(2)});
     for (size_t turn = 0; turn < wiggly.size(); ++turn) {
         std::vector<uint32_t> path(wiggly.begin() + static_cast<long>(turn), wiggly.end());
         path.insert(path.end(), wiggly.begin(), wiggly.begin() + static_cast<long>(turn));
         for (int way = 0; way < 2; ++way) {
-            Read r(mesh, HMF_LOOP_VERTICES, {path});
+            Read r(mesh, HMF_PATH_VERTICES, {path});
             ASSERT_EQ(r.status(), HMF_OK) << r.context.error.message;
             for (uint32_t i = 0; i < M; ++i) EXPECT_EQ(parity(mesh, r.loops, 0, longitude(i)), 1u);
             for (uint32_t i = 0; i < N; ++i) EXPECT_EQ(parity(mesh, r.loops, 0, meridian(i)), 0u);
@@ -310,7 +310,7 @@ TEST_F(OnTorus, RandomDetoursDoNotMatter) {
         }
         std::rotate(path.begin(), path.begin() + random(static_cast<uint32_t>(path.size())), path.end());
         if (random(2)) std::reverse(path.begin(), path.end());
-        Read r(mesh, HMF_LOOP_VERTICES, {path});
+        Read r(mesh, HMF_PATH_VERTICES, {path});
         ASSERT_EQ(r.status(), HMF_OK) << round << ": " << r.context.error.message;
         EXPECT_EQ(parity(mesh, r.loops, 0, longitude(1)), static_cast<uint32_t>(round % 2));
         EXPECT_EQ(parity(mesh, r.loops, 0, meridian(1)), static_cast<uint32_t>(1 - round % 2));
@@ -319,7 +319,7 @@ TEST_F(OnTorus, RandomDetoursDoNotMatter) {
 
 TEST_F(OnTorus, TrianglesBackAndForth) {
     // A strip with a dead end of two triangles, begun anywhere.
-    Read plain(mesh, HMF_LOOP_VERTICES, {meridian(3)});
+    Read plain(mesh, HMF_PATH_VERTICES, {meridian(3)});
     std::vector<uint32_t> strip;
     for (uint32_t h : plain.loops.crossings) strip.push_back(mesh.face[h]);
     uint32_t side = plain.loops.crossings[1];
@@ -329,7 +329,7 @@ TEST_F(OnTorus, TrianglesBackAndForth) {
     longer.insert(longer.begin() + 2, {dead, end, dead, strip[1]});
     for (size_t turn = 0; turn < longer.size(); ++turn) {
         std::rotate(longer.begin(), longer.begin() + 1, longer.end());
-        Read r(mesh, HMF_LOOP_TRIANGLES, {longer});
+        Read r(mesh, HMF_PATH_TRIANGLES, {longer});
         ASSERT_EQ(r.status(), HMF_OK) << r.context.error.message;
         EXPECT_EQ(r.loops.crossings.size(), strip.size());
     }
@@ -340,16 +340,16 @@ TEST_F(OnTorus, Count) {
     Loops loops;
     const uint64_t offsets[] = {0, 0};
     const uint32_t none[] = {0};
-    EXPECT_EQ(read_loops(mesh, HMF_LOOP_VERTICES, 0, offsets, none, c.call, loops), HMF_ERROR_LOOP_COUNT);
+    EXPECT_EQ(read_loops(mesh, HMF_PATH_VERTICES, 0, offsets, none, c.call, loops), HMF_ERROR_LOOP_COUNT);
     Context d;
-    EXPECT_EQ(read_loops(mesh, HMF_LOOP_VERTICES, 1, offsets, none, d.call, loops), HMF_ERROR_LOOP_COUNT);
+    EXPECT_EQ(read_loops(mesh, HMF_PATH_VERTICES, 1, offsets, none, d.call, loops), HMF_ERROR_LOOP_COUNT);
     EXPECT_EQ(d.error.index, 0u);
 }
 
 TEST_F(OnTorus, Index) {
     auto bad = meridian(4);
     bad[3] = mesh.vertex_count;
-    Read r(mesh, HMF_LOOP_VERTICES, {meridian(1), bad});
+    Read r(mesh, HMF_PATH_VERTICES, {meridian(1), bad});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_INDEX);
     EXPECT_EQ(r.context.error.index, 1u);
     EXPECT_EQ(triangles({{mesh.face_count}}).status(), HMF_ERROR_LOOP_INDEX);
@@ -358,7 +358,7 @@ TEST_F(OnTorus, Index) {
 TEST_F(OnTorus, NotClosed) {
     auto bad = meridian(4);
     bad.pop_back();
-    Read r(mesh, HMF_LOOP_VERTICES, {meridian(1), bad});
+    Read r(mesh, HMF_PATH_VERTICES, {meridian(1), bad});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_NOT_CLOSED);
     EXPECT_EQ(r.context.error.index, 1u);
     EXPECT_NE(std::strstr(r.context.error.message, "Elements 7 and 0 of loop 1"), nullptr) << r.context.error.message;
@@ -380,7 +380,7 @@ TEST_F(OnTorus, NotSimple) {
     for (uint32_t i = 0; i < M; ++i) commutator.push_back(m[(M - i) % M]);
     for (uint32_t x = 0; x < N; ++x) commutator.push_back(at(N - x, 0));
     // It only touches itself: pushed apart it is the boundary of what is left of the torus.
-    Read r(mesh, HMF_LOOP_VERTICES, {commutator});
+    Read r(mesh, HMF_PATH_VERTICES, {commutator});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_TRIVIAL) << r.context.error.message;
     EXPECT_EQ(r.context.error.index, 0u);
     // Once each way at a common vertex is simple: pushed off it does not meet itself.
@@ -411,13 +411,13 @@ TEST_F(OnTorus, TouchingLoopsArePushedApart) {
 }
 
 TEST_F(OnTorus, Crossing) {
-    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), longitude(5)});
+    Read r(mesh, HMF_PATH_VERTICES, {meridian(2), longitude(5)});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_CROSSING);
     EXPECT_EQ(r.context.error.index, 1u);
 }
 
 TEST_F(OnTorus, CrossingNamesTheLater) {
-    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), meridian(5), meridian(8), longitude(5), meridian(10)});
+    Read r(mesh, HMF_PATH_VERTICES, {meridian(2), meridian(5), meridian(8), longitude(5), meridian(10)});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_CROSSING);
     EXPECT_EQ(r.context.error.index, 3u);
     EXPECT_NE(std::strstr(r.context.error.message, "Loop 3 crosses loop 0"), nullptr) << r.context.error.message;
@@ -432,7 +432,7 @@ TEST_F(OnTorus, Trivial) {
         h = mesh.rotate_ccw(h);
     } while (h != mesh.out[at(4, 4)]);
     EXPECT_EQ(triangles({ring}).status(), HMF_ERROR_LOOP_TRIVIAL);
-    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), {at(4, 4), at(5, 4), at(5, 5), at(5, 4)}});
+    Read r(mesh, HMF_PATH_VERTICES, {meridian(2), {at(4, 4), at(5, 4), at(5, 5), at(5, 4)}});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_TRIVIAL);
     EXPECT_EQ(r.context.error.index, 1u);
     EXPECT_EQ(vertices({{at(4, 4), at(5, 4), at(6, 4), at(6, 5), at(6, 6), at(5, 6), at(4, 6), at(4, 5)}}).status(),
@@ -440,7 +440,7 @@ TEST_F(OnTorus, Trivial) {
 }
 
 TEST_F(OnTorus, Parallel) {
-    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), meridian(6)});
+    Read r(mesh, HMF_PATH_VERTICES, {meridian(2), meridian(6)});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_PARALLEL);
     EXPECT_EQ(r.context.error.index, 1u);
     // The same loop twice, and reversed.
@@ -461,8 +461,8 @@ TEST(CheckLoops, ParallelOnAPlate) {
     for (size_t l = 0; l < 2; ++l)
         for (uint64_t i = loops.offsets[l]; i < loops.offsets[l + 1]; ++i)
             faces[l].push_back(mesh.face[loops.crossings[i]]);
-    EXPECT_EQ(Read(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1]}).status(), HMF_OK);
-    Read r(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1], faces[0]});
+    EXPECT_EQ(Read(mesh, HMF_PATH_TRIANGLES, {faces[0], faces[1]}).status(), HMF_OK);
+    Read r(mesh, HMF_PATH_TRIANGLES, {faces[0], faces[1], faces[0]});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_PARALLEL);
     EXPECT_EQ(r.context.error.index, 2u);
 }
@@ -506,14 +506,14 @@ TEST(CheckLoops, StraightLinesOnATorus) {
                 b = c;
             }
             const auto line = straight_line(n, m, p, q, 0.3141, 0.2718);
-            Read r(mesh, HMF_LOOP_TRIANGLES, {line});
+            Read r(mesh, HMF_PATH_TRIANGLES, {line});
             EXPECT_EQ(r.status(), a == 1 ? HMF_OK : HMF_ERROR_LOOP_NOT_SIMPLE)
                 << p << " " << q << " " << r.context.error.message;
             if (a != 1) continue;
-            Read two(mesh, HMF_LOOP_TRIANGLES, {line, straight_line(n, m, p, q, 0.7391, 0.0917)});
+            Read two(mesh, HMF_PATH_TRIANGLES, {line, straight_line(n, m, p, q, 0.7391, 0.0917)});
             EXPECT_EQ(two.status(), HMF_ERROR_LOOP_PARALLEL) << p << " " << q;
             const int crossings = p * 3 - q * 2;
-            Read other(mesh, HMF_LOOP_TRIANGLES, {straight_line(n, m, 2, 3, 0.1234, 0.4321), line});
+            Read other(mesh, HMF_PATH_TRIANGLES, {straight_line(n, m, 2, 3, 0.1234, 0.4321), line});
             EXPECT_EQ(other.status(), crossings ? HMF_ERROR_LOOP_CROSSING : HMF_ERROR_LOOP_PARALLEL) << p << " " << q;
         }
 }
@@ -534,10 +534,10 @@ TEST(CheckLoops, SeparatingLoop) {
     for (int i = 6; i > 0; --i) find(i / 2.0, 1);
     for (int i = 2; i > 0; --i) find(0, i / 2.0);
     ASSERT_EQ(path.size(), 16u);
-    Read r(mesh, HMF_LOOP_VERTICES, {path});
+    Read r(mesh, HMF_PATH_VERTICES, {path});
     EXPECT_EQ(r.status(), HMF_OK) << r.context.error.message;
     EXPECT_EQ(pieces(mesh, r.loops).count, 2u);
-    EXPECT_EQ(Read(mesh, HMF_LOOP_VERTICES, {path, path}).status(), HMF_ERROR_LOOP_PARALLEL);
+    EXPECT_EQ(Read(mesh, HMF_PATH_VERTICES, {path, path}).status(), HMF_ERROR_LOOP_PARALLEL);
 }
 
 // Flips that nothing restrains: several edges between two vertices, edges from
@@ -729,7 +729,7 @@ TEST(ShortenLoops, AWanderingLoopBecomesARing) {
         const std::vector<uint32_t>& faces = wanders ? wandering : straight;
         const uint64_t offsets[2] = {0, faces.size()};
         Loops loops;
-        ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, 1, offsets, faces.data(), call, loops), HMF_OK) << error.message;
+        ASSERT_EQ(read_loops(mesh, HMF_PATH_TRIANGLES, 1, offsets, faces.data(), call, loops), HMF_OK) << error.message;
         ASSERT_EQ(loops.length(0), faces.size());
         if (wanders) { ASSERT_EQ(shorten_loops(mesh, made.positions.data(), 0, 1, 1, call, loops), HMF_OK); }
         measured[wanders] = 0;

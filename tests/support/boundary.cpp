@@ -84,7 +84,7 @@ void expect_symmetric(const Solution& s) {
     EXPECT_EQ(wrong, 0u);
     hmf_foliation* raw = nullptr;
     hmf_error error{};
-    ASSERT_EQ(hmf_foliation_create(&h, 0, s.values.data(), s.values.size(), nullptr, &raw, &error), HMF_OK)
+    ASSERT_EQ(hmf_foliation_from_values(&h, 0, s.values.data(), s.values.size(), nullptr, &raw, &error), HMF_OK)
         << error.message;
     const Foliation again(raw);
     EXPECT_EQ(values_of(again), s.values);
@@ -157,9 +157,9 @@ TriMesh with_holes(const TriMesh& mesh, size_t holes, size_t rings, uint64_t see
 bool is_sound(const TriMesh& mesh) {
     hmf_hierarchy* raw = nullptr;
     hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), nullptr, nullptr, &raw, &error);
-    hmf_destroy(raw);
+    const hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                   mesh.triangle_count(), nullptr, nullptr, &raw, &error);
+    hmf_hierarchy_destroy(raw);
     const bool unlucky = status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS
                       || status == HMF_ERROR_MESH_GENUS;
     if (!unlucky) EXPECT_EQ(status, HMF_OK) << error.message;

@@ -15,7 +15,7 @@ struct Curves {
     Loops loops;
     std::vector<uint8_t> arcs;
 
-    Curves() { loops.kind = HMF_LOOP_VERTICES; }
+    Curves() { loops.kind = HMF_PATH_VERTICES; }
     void add(const Path& path, bool is_arc, double weight = 1) {
         loops.add(path);
         loops.weights.push_back(weight);

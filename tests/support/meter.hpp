@@ -34,8 +34,8 @@ struct Meter {
         std::free(block);
     }
     // Several levels even on small meshes.
-    hmf_build_options options(uint64_t coarsest = 40) {
-        hmf_build_options o{};
+    hmf_hierarchy_options options(uint64_t coarsest = 40) {
+        hmf_hierarchy_options o{};
         o.struct_size = sizeof o;
         o.allocate = take;
         o.release = give;

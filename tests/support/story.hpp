@@ -150,7 +150,7 @@ hmf_status one_array(Bits* bits, size_t count, Call&& call) {
 // A hierarchy of several levels, foliations on it, and every function that
 // takes them.
 struct Story {
-    Story(const TriMesh& mesh, const hmf_build_options& build) :
+    Story(const TriMesh& mesh, const hmf_hierarchy_options& build) :
         hierarchy(mesh, build), h(hierarchy.get()), loops(library_loops(hierarchy, hierarchy.coarsest())),
         set(loops.view()), rough(interpolate(initialize(hierarchy, loops), 0)), vertices(mesh.vertex_count()) {
         refresh();
@@ -191,12 +191,12 @@ private:
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS})
             add<hmf_loop_set>("hmf_loops",
                               [this, kind](auto c, auto out, auto e) { return hmf_loops(h, 0, kind, c, out, e); });
-        add<hmf_foliation>("hmf_initialize",
-                           [this](auto c, auto out, auto e) { return hmf_initialize(h, &set, c, out, e); });
+        add<hmf_foliation>("hmf_foliation_from_loops",
+                           [this](auto c, auto out, auto e) { return hmf_foliation_from_loops(h, &set, c, out, e); });
         add<hmf_foliation>("hmf_solve_cut_system",
                            [this](auto c, auto out, auto e) { return hmf_solve_cut_system(h, nullptr, c, out, e); });
-        add<hmf_foliation>("hmf_foliation_create", [this](auto c, auto out, auto e) {
-            return hmf_foliation_create(h, 0, values.data(), values.size(), c, out, e);
+        add<hmf_foliation>("hmf_foliation_from_values", [this](auto c, auto out, auto e) {
+            return hmf_foliation_from_values(h, 0, values.data(), values.size(), c, out, e);
         });
         for (const int32_t method : {HMF_METHOD_NEWTON, HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
             const hmf_solve_options options = solve_options(method, method == HMF_METHOD_NEWTON ? 0 : 1e-2);
@@ -219,7 +219,7 @@ private:
                            [this](auto c, auto out, auto e) { return hmf_interpolate(coarse.get(), 0, c, out, e); });
     }
 
-    void add_mesh(const TriMesh& mesh, const hmf_build_options& build) {
+    void add_mesh(const TriMesh& mesh, const hmf_hierarchy_options& build) {
         add<hmf_component_set>("hmf_components", [&mesh, build](auto c, auto out, auto e) {
             return hmf_components(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                   mesh.triangle_count(), &build, c, out, e);
@@ -230,7 +230,7 @@ private:
         });
     }
 
-    void add_design(const TriMesh& mesh, const hmf_build_options& build) {
+    void add_design(const TriMesh& mesh, const hmf_hierarchy_options& build) {
         add<hmf_design>("hmf_even_design", [&mesh, build](auto c, auto out, auto e) {
             hmf_design_options options{};
             options.struct_size = sizeof options;

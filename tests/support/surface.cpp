@@ -11,8 +11,8 @@ namespace test {
 
 namespace {
 
-hmf_build_options build_options(double ratio, uint64_t coarsest, int32_t collapse) {
-    hmf_build_options options{};
+hmf_hierarchy_options build_options(double ratio, uint64_t coarsest, int32_t collapse) {
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.ratio = ratio;
     options.coarsest = coarsest;
@@ -44,10 +44,10 @@ double corner2(const LevelMesh& mesh, const std::vector<double>& values, uint32_
 Hierarchy::Hierarchy(const TriMesh& mesh, double ratio, uint64_t coarsest, int32_t collapse) :
     Hierarchy(mesh, build_options(ratio, coarsest, collapse)) {}
 
-Hierarchy::Hierarchy(const TriMesh& mesh, const hmf_build_options& options) {
+Hierarchy::Hierarchy(const TriMesh& mesh, const hmf_hierarchy_options& options) {
     hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, nullptr, &handle_, &error);
+    const hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                   mesh.triangle_count(), &options, nullptr, &handle_, &error);
     EXPECT_EQ(status, HMF_OK) << error.message;
     if (handle_) { EXPECT_EQ(hmf_genus(handle_), mesh.genus); }
 }
@@ -117,7 +117,7 @@ Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind) {
     });
     if (!set) return loops;
     EXPECT_GE(set->struct_size, sizeof(hmf_loop_set));
-    EXPECT_EQ(set->element_kind, HMF_LOOP_TRIANGLES);
+    EXPECT_EQ(set->element_kind, HMF_PATH_TRIANGLES);
     EXPECT_EQ(set->level, level);
     EXPECT_EQ(set->weights, nullptr);
     loops.offsets.assign(set->offsets, set->offsets + set->count + 1);
@@ -130,8 +130,8 @@ Owned<hmf_loop_set> loops_of(const Hierarchy& hierarchy, int32_t kind) {
         [&](hmf_loop_set** out, hmf_error* e) { return hmf_loops(hierarchy.get(), 0, kind, nullptr, out, e); });
 }
 
-hmf_build_options with_marks(const std::vector<uint32_t>& marks, double ratio, uint64_t coarsest) {
-    hmf_build_options options{};
+hmf_hierarchy_options with_marks(const std::vector<uint32_t>& marks, double ratio, uint64_t coarsest) {
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.ratio = ratio;
     options.coarsest = coarsest;
@@ -156,14 +156,14 @@ std::vector<double> values_of(const Foliation& foliation) {
 
 Foliation create(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values) {
     return make<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
-        return hmf_foliation_create(hierarchy.get(), level, values.data(), values.size(), nullptr, out, error);
+        return hmf_foliation_from_values(hierarchy.get(), level, values.data(), values.size(), nullptr, out, error);
     });
 }
 
 Foliation initialize(const Hierarchy& hierarchy, const Loops& loops) {
     const hmf_loop_set set = loops.view();
     return make<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
-        return hmf_initialize(hierarchy.get(), &set, nullptr, out, error);
+        return hmf_foliation_from_loops(hierarchy.get(), &set, nullptr, out, error);
     });
 }
 

@@ -19,8 +19,8 @@ namespace test {
 class Hierarchy {
 public:
     explicit Hierarchy(const TriMesh& mesh, double ratio = 0, uint64_t coarsest = 0, int32_t collapse = 0);
-    Hierarchy(const TriMesh& mesh, const hmf_build_options& options);
-    ~Hierarchy() { hmf_destroy(handle_); }
+    Hierarchy(const TriMesh& mesh, const hmf_hierarchy_options& options);
+    ~Hierarchy() { hmf_hierarchy_destroy(handle_); }
     Hierarchy(const Hierarchy&) = delete;
     Hierarchy& operator=(const Hierarchy&) = delete;
 
@@ -64,7 +64,7 @@ Owned<T> make(Call&& call) {
 
 // Loops that own their arrays.
 struct Loops {
-    int32_t kind = HMF_LOOP_TRIANGLES;
+    int32_t kind = HMF_PATH_TRIANGLES;
     uint64_t level = 0;
     std::vector<uint64_t> offsets{0};
     std::vector<uint32_t> elements;
@@ -80,7 +80,7 @@ Owned<hmf_loop_set> loops_of(const Hierarchy& hierarchy, int32_t kind); // on le
 // --- Marked vertices ---------------------------------------------------------
 
 // 0: the default.  The marks must live as long as the options.
-hmf_build_options with_marks(const std::vector<uint32_t>& marks, double ratio = 0, uint64_t coarsest = 0);
+hmf_hierarchy_options with_marks(const std::vector<uint32_t>& marks, double ratio = 0, uint64_t coarsest = 0);
 std::vector<uint32_t> suggested_marks(const TriMesh& mesh);
 
 // --- Foliations --------------------------------------------------------------

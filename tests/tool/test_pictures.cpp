@@ -228,7 +228,7 @@ TEST(Pictures, LoopsOfTheCallerHaveNoKinks) {
     set.count = 1;
     set.offsets = offsets;
     set.elements = path.data();
-    set.element_kind = HMF_LOOP_VERTICES;
+    set.element_kind = HMF_PATH_VERTICES;
     const std::vector<cli::Line> lines = cli::loop_lines(s.f, set);
     ASSERT_EQ(lines.size(), 1u);
     cli::Line drawn;

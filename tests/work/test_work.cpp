@@ -22,7 +22,7 @@ struct Extreme {
     Loops loops; // empty: those of the library
 
     size_t edges() const { return mesh.triangle_count() * 3 / 2; }
-    hmf_build_options options() const { return with_marks(marks); }
+    hmf_hierarchy_options options() const { return with_marks(marks); }
 };
 
 // call(control) is a status.
@@ -48,10 +48,10 @@ uint64_t expect_reports_of(const Extreme& on, const char* name, Call&& call) {
 }
 
 uint64_t build(const Extreme& on, hmf_hierarchy*& h) {
-    const hmf_build_options options = on.options();
-    return expect_reports(on, "hmf_build", [&](const hmf_control* control) {
-        return hmf_build(on.mesh.positions.data(), on.mesh.vertex_count(), on.mesh.triangles.data(),
-                         on.mesh.triangle_count(), &options, control, &h, nullptr);
+    const hmf_hierarchy_options options = on.options();
+    return expect_reports(on, "hmf_hierarchy_create", [&](const hmf_control* control) {
+        return hmf_hierarchy_create(on.mesh.positions.data(), on.mesh.vertex_count(), on.mesh.triangles.data(),
+                                    on.mesh.triangle_count(), &options, control, &h, nullptr);
     });
 }
 
@@ -68,9 +68,9 @@ void every_call(const Extreme& on) {
     if (on.loops.count() == 0) find_loops(on, h, HMF_LOOPS_CUT, found);
     const hmf_loop_set* const loops = found ? found : &own;
     hmf_foliation* f = nullptr;
-    expect_reports(on, "hmf_initialize", [&](const hmf_control* control) {
+    expect_reports(on, "hmf_foliation_from_loops", [&](const hmf_control* control) {
         hmf_foliation* made = nullptr;
-        const hmf_status status = hmf_initialize(h, loops, control, &made, nullptr);
+        const hmf_status status = hmf_foliation_from_loops(h, loops, control, &made, nullptr);
         hmf_foliation_destroy(made);
         return status;
     });
@@ -100,7 +100,7 @@ void every_call(const Extreme& on) {
     }
     hmf_foliation_destroy(f);
     hmf_free(found);
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
 }
 
 std::vector<uint32_t> every_vertex(const TriMesh& mesh) {
@@ -117,7 +117,7 @@ Extreme of_polygon(size_t n) {
 // `count` parallel loops around the tube of a torus of n x m.
 Extreme with_loops(size_t n, size_t m, size_t count) {
     Extreme extreme{"many loops", torus(n, m, 3, 1), {}, {}};
-    extreme.loops.kind = HMF_LOOP_VERTICES;
+    extreme.loops.kind = HMF_PATH_VERTICES;
     for (size_t c = 0; c < count; ++c) {
         std::vector<uint32_t> loop;
         for (size_t j = 0; j < m; ++j) loop.push_back(static_cast<uint32_t>(c % n * m + j));
@@ -129,7 +129,7 @@ Extreme with_loops(size_t n, size_t m, size_t count) {
 // Along a torus of n x n and `twists` times around its tube.
 Extreme with_twists(size_t n, size_t twists) {
     Extreme extreme{"Dehn twists", torus(n, n, 3, 1.5), {}, {}};
-    extreme.loops.kind = HMF_LOOP_VERTICES;
+    extreme.loops.kind = HMF_PATH_VERTICES;
     std::vector<uint32_t> loop;
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j <= twists; ++j) loop.push_back(static_cast<uint32_t>(i * n + (twists * i + j) % n));
@@ -156,7 +156,7 @@ uint64_t of_build(const Extreme& extreme) {
     hmf_hierarchy* h = nullptr;
     const uint64_t work = build(extreme, h);
     EXPECT_NE(h, nullptr);
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
     return work;
 }
 
@@ -194,7 +194,7 @@ TEST(Work, CutLoopsAreLinearInValence) {
         const uint64_t found = find_loops(extreme, h, HMF_LOOPS_CUT, loops);
         EXPECT_NE(loops, nullptr);
         hmf_free(loops);
-        hmf_destroy(h);
+        hmf_hierarchy_destroy(h);
         return found;
     };
     expect_linear("wheels", work, 1000);

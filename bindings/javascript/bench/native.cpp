@@ -1,8 +1,8 @@
 // The native side of bench.js: native MESH REPETITIONS prints one line of JSON
-// with the least processor seconds of hmf_build and hmf_solve.
+// with the least processor seconds of hmf_hierarchy_create and hmf_solve.
 //
 // MESH: two uint64, the numbers of vertices and triangles, then positions and
-// triangles as hmf_build takes them.
+// triangles as hmf_hierarchy_create takes them.
 #include <time.h>
 
 #include <cstdio>
@@ -42,7 +42,8 @@ int main(int argc, char** argv) {
         hmf_hierarchy* h = nullptr;
         hmf_error error = {};
         const double start = processor_seconds();
-        if (stop(hmf_build(positions.data(), counts[0], triangles.data(), counts[1], nullptr, nullptr, &h, &error),
+        if (stop(hmf_hierarchy_create(positions.data(), counts[0], triangles.data(), counts[1], nullptr, nullptr, &h,
+                                      &error),
                  error))
             return 1;
         const double built = processor_seconds();
@@ -51,7 +52,7 @@ int main(int argc, char** argv) {
         const double solved = processor_seconds();
         value = hmf_foliation_values(f, nullptr)[0];
         hmf_foliation_destroy(f);
-        hmf_destroy(h);
+        hmf_hierarchy_destroy(h);
         if (built - start < build) build = built - start;
         if (solved - built < solve) solve = solved - built;
     }

@@ -26,7 +26,7 @@ const elements = namesOf('HMF_ELEMENT_').byValue;
 
 // What sentences of the C library call otherwise than this package; other sentences with its words are left out.
 const words = [
-    ['hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio', 'The options cannot be used: ratio'],
+    ['hmf_hierarchy_options is unusable. Set struct_size to its size and unused fields to 0; ratio', 'The options cannot be used: ratio'],
     [', position_stride fits into memory, allocate and release come together', ''],
     ['set mollify in the build options', 'give mollify: 1e-5'],
     ['HMF_METHOD_WHITEHEAD has none', "method: 'whitehead' has none"],
@@ -36,8 +36,8 @@ const words = [
     ['Build each component of hmf_components on its own', 'Use solveComponents'],
     ['Use hmf_loops, or another mesh', 'Use other loops, or another mesh'],
     ['; hmf_singularities lists them', '; foliation.singularities() lists them'],
-    ['Start from hmf_initialize or a result of hmf_solve', 'Start from hierarchy.initialize() or a result of solve()'],
-    ['; hmf_memory_estimate gives a sufficient value', '; memoryEstimate() gives a sufficient value'],
+    ['Start from hmf_foliation_from_loops or a result of hmf_solve', 'Start from hierarchy.initialize() or a result of solve()'],
+    ['; hmf_hierarchy_memory_estimate gives a sufficient value', '; memoryEstimate() gives a sufficient value'],
     ['with hmf_interpolate', 'with foliation.interpolate()'],
     ['with hmf_relax', 'with foliation.relax()'],
     ['Give one of them, the other NULL', 'Give one of them'],

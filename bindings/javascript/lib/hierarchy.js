@@ -1,4 +1,4 @@
-// Hierarchy: a mesh with its coarser levels (hmf_build and what reads it).
+// Hierarchy: a mesh with its coarser levels (hmf_hierarchy_create and what reads it).
 import { Frame } from './memory.js';
 import { Foliation, dispose } from './foliation.js';
 import { boundaryCurves, holeWarning, notClosed, withoutUnused } from './boundaries.js';
@@ -8,7 +8,7 @@ import { makeLoops, readLoops, writeLoops } from './loops.js';
 import { option, optionFields, optionNames } from './options.js';
 import { SOLVE_OPTIONS, writeOptions } from './solve.js';
 
-export const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_build_options'), 'markedVertices', 'progress'];
+export const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_hierarchy_options'), 'markedVertices', 'progress'];
 const HIERARCHY_OPTIONS = [...BUILD_OPTIONS, 'closed', 'warn'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
@@ -29,7 +29,7 @@ class Held {
 
     freeAll() {
         for (const foliation of this.foliations) this.free(foliation);
-        if (this.address !== 0 && !this.module.broken) this.module.invoke('hmf_destroy', this.address);
+        if (this.address !== 0 && !this.module.broken) this.module.invoke('hmf_hierarchy_destroy', this.address);
         this.address = 0;
     }
 }
@@ -38,16 +38,16 @@ class Held {
 const forgotten = new FinalizationRegistry(({ held, foliation }) => (foliation === undefined ? held.freeAll() : held.free(foliation)));
 
 function writeBuildOptions(frame, options) {
-    const fields = { ...frame.module.allocators, ...optionFields('hmf_build_options', options) };
+    const fields = { ...frame.module.allocators, ...optionFields('hmf_hierarchy_options', options) };
     if (options.collapse !== undefined) fields.collapse = choice(options.collapse, 'collapse', collapses);
     if (options.markedVertices !== undefined) {
         fields.marked_count = indices(options.markedVertices, 'markedVertices').length;
         fields.marked_vertices = frame.copy(Uint32Array, options.markedVertices);
     }
-    return frame.structure('hmf_build_options', fields);
+    return frame.structure('hmf_hierarchy_options', fields);
 }
 
-/** Positions, triangles and options of a build, checked; work(frame, ...parameters) gives them to hmf_build and its like. */
+/** Positions, triangles and options of a build, checked; work(frame, ...parameters) gives them to hmf_hierarchy_create and its like. */
 export function withMesh(module, positions, triangles, options, work) {
     numbers(positions, 'positions', { group: 3 });
     indices(triangles, 'triangles', { group: 3 });
@@ -78,7 +78,7 @@ export function memoryEstimate(module, vertexCount, triangleCount, options) {
     if (vertexCount > 0xffffffff || triangleCount > 0xffffffff) return 0;
     const { progress, ...given } = optionsOf(options, 'options', BUILD_OPTIONS);
     return withFrame(module, {}, frame =>
-        Number(BigInt.asUintN(64, module.invoke('hmf_memory_estimate', vertexCount, triangleCount, writeBuildOptions(frame, given)))));
+        Number(BigInt.asUintN(64, module.invoke('hmf_hierarchy_memory_estimate', vertexCount, triangleCount, writeBuildOptions(frame, given)))));
 }
 
 export function suggestMarks(module, positions, triangles, options) {
@@ -157,7 +157,7 @@ export class Hierarchy {
         const module = this.#held.module;
         const suggested = () => suggestMarks(module, positions, triangles, pickOf(others, ['mollify', 'memoryLimit']));
         const build = marks => withMesh(module, positions, triangles, { ...others, markedVertices: marks }, (frame, ...mesh) => {
-            const { address } = frame.make('hmf_build', ...mesh);
+            const { address } = frame.make('hmf_hierarchy_create', ...mesh);
             this.#held.address = address;
             const count = module.invoke('hmf_level_count', address);
             this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => {
@@ -258,7 +258,7 @@ export class Hierarchy {
         return this.#foliation(optionsOf(options, 'options', ['progress']), (frame, address) => {
             const set = writeLoops(frame, loops ?? {});
             this.levelIndex(loops.level ?? 0, 'loops.level');
-            return frame.make('hmf_initialize', address, set);
+            return frame.make('hmf_foliation_from_loops', address, set);
         });
     }
 
@@ -295,7 +295,7 @@ export class Hierarchy {
         const given = optionsOf(typeof options === 'number' ? { level: options } : options, 'options', ['level', 'progress']), { level = 0 } = given;
         this.levelIndex(level);
         numbers(values, 'values', { count: this.#levels[level].edgeCount });
-        return this.#foliation(given, (frame, address) => frame.make('hmf_foliation_create', address, level, frame.copy(Float64Array, values), values.length));
+        return this.#foliation(given, (frame, address) => frame.make('hmf_foliation_from_values', address, level, frame.copy(Float64Array, values), values.length));
     }
 }
 

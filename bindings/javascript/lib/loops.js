@@ -3,7 +3,7 @@
 import { namesOf } from './error.js';
 import { choice, indices, numbers, optionsOf, wholeNumber } from './arguments.js';
 
-const elementKinds = namesOf('HMF_LOOP_');
+const elementKinds = namesOf('HMF_PATH_');
 const loopKinds = namesOf('HMF_LOOPS_');
 
 /** An hmf_loop_set in the memory of the call; 0 (NULL) for undefined. */

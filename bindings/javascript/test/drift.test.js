@@ -31,7 +31,7 @@ test('every structure of the headers has its fields in order, and JavaScript kno
     const otherwise = ['hmf_report.level_count', 'hmf_report.history_count', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
         'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics', 'hmf_lines.line_count',
         'hmf_lines.point_count', 'hmf_lines.lines', 'hmf_lines.offsets', 'hmf_lines.point_edges', 'hmf_singularity_set.count', 'hmf_cylinder_set.count', 'hmf_quad_mesh.quad_count',
-        'hmf_build_options.marked_count', 'hmf_mark_set.count', 'hmf_design.marked_count',
+        'hmf_hierarchy_options.marked_count', 'hmf_mark_set.count', 'hmf_design.marked_count',
         // A component has its parts of these arrays.
         ...['count', 'used_vertex_count', 'marked_count', 'list', 'part_positions', 'part_triangles', 'part_marks'].map(field => `hmf_component_set.${field}`),
         ...['vertex', 'edge', 'triangle', 'mark'].map(name => `hmf_component.first_${name}`), 'hmf_component.marked_count'];
@@ -54,7 +54,7 @@ test('every structure of the headers has its fields in order, and JavaScript kno
 test('every constant of the headers has its value, and the types list its name', () => {
     const declared = [...header.matchAll(/^#define (HMF_[A-Z0-9_]+) (\d+|0x[0-9a-f]+)u?\s*$/gm)].map(([, name, value]) => [name, Number(value)]);
     assert.deepEqual(constants, Object.fromEntries(declared.sort(([a], [b]) => (a < b ? -1 : 1))), 'the build is out of date: npm run build');
-    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_LOOP_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_', 'HMF_LINE_', 'HMF_END_', 'HMF_LEAVES_', 'HMF_CLASS_'];
+    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_PATH_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_', 'HMF_LINE_', 'HMF_END_', 'HMF_LEAVES_', 'HMF_CLASS_'];
     for (const [name] of declared) {
         if (/^HMF_(VERSION|ERROR|LIMIT)_|^HMF_(OK|CANCELLED|NONE|ELEMENT_NONE)$/.test(name)) continue;
         const prefix = prefixes.find(start => name.startsWith(start));

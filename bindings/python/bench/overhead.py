@@ -3,7 +3,7 @@
     python overhead.py [side of the pretzel, default 45: 103 400 vertices]
 
 Each run is compared with the seconds that the library itself reports for the
-same call (`Report.solve_seconds`), and a build with a call of hmf_build on
+same call (`Report.solve_seconds`), and a build with a call of hmf_hierarchy_create on
 arrays that are already right, both in processor time.  Best of seven.
 """
 
@@ -31,10 +31,10 @@ def build_directly(positions, triangles):
     p = ffi.cast("double *", positions.ctypes.data)
     t = ffi.cast("uint32_t *", triangles.ctypes.data)
     start = time.process_time()
-    status = lib.hmf_build(p, len(positions), t, len(triangles), ffi.NULL, ffi.NULL, out, ffi.NULL)
+    status = lib.hmf_hierarchy_create(p, len(positions), t, len(triangles), ffi.NULL, ffi.NULL, out, ffi.NULL)
     seconds = time.process_time() - start
     assert status == 0
-    lib.hmf_destroy(out[0])
+    lib.hmf_hierarchy_destroy(out[0])
     return seconds
 
 
@@ -45,7 +45,7 @@ def main():
 
     direct = min(build_directly(positions, triangles) for _ in range(7))
     build, _ = best(lambda: foliations.Hierarchy(positions, triangles), clock=time.process_time)
-    print(f"build      {build:.4f} s, hmf_build alone {direct:.4f} s: overhead {100 * (build / direct - 1):+.2f} %")
+    print(f"build      {build:.4f} s, hmf_hierarchy_create alone {direct:.4f} s: overhead {100 * (build / direct - 1):+.2f} %")
 
     hierarchy = foliations.Hierarchy(positions, triangles)
     for name, progress in (("solve", None), ("solve with a callback", lambda fraction: None)):

@@ -99,7 +99,7 @@ def test_options_are_keywords() -> None:
     build = set(inspect.signature(foliations.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(foliations.Hierarchy.solve).parameters)
     both = set(inspect.signature(foliations.solve).parameters)
-    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "closed", "component", "progress"}
+    assert fields("hmf_hierarchy_options") - hidden == build - {"self", "positions", "triangles", "closed", "component", "progress"}
     start = {"self", "loops", "weights", "initial", "progress"}
     assert fields("hmf_solve_options") - hidden - {"start"} == solve - start
     assert (build | solve) - {"self"} == both
@@ -131,10 +131,10 @@ def test_each_call_with_a_control_takes_progress() -> None:
     control = ffi.typeof("hmf_control *")
     long = {name for name in FUNCTIONS if control in ffi.typeof(getattr(lib, name)).args}
     owners = {
-        "hmf_build": foliations.Hierarchy.__init__,
+        "hmf_hierarchy_create": foliations.Hierarchy.__init__,
         "hmf_loops": foliations.Hierarchy.loops,
         "hmf_solve_cut_system": foliations.Hierarchy.solve,
-        "hmf_foliation_create": foliations.Hierarchy.foliation,
+        "hmf_foliation_from_values": foliations.Hierarchy.foliation,
         "hmf_suggest_marks": foliations.suggest_marks,
         "hmf_components": foliations.Components.__init__,
         "hmf_even_design": foliations.even_design,

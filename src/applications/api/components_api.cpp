@@ -169,7 +169,7 @@ private:
 
 // The beginning of both calls; work(hierarchy, options, call) makes the result.
 template <class Result, class Work>
-hmf_status begin(const hmf_build_options* options, const hmf_control* control, Result** out, hmf_error* error,
+hmf_status begin(const hmf_hierarchy_options* options, const hmf_control* control, Result** out, hmf_error* error,
                  Work&& work) {
     MeshEntry entry(options, control, error);
     if (entry.check(out) || entry.check_options()) return entry.call.status();
@@ -190,7 +190,7 @@ hmf_mark_set* mark_set(const Array<uint32_t>& marks, const hmf_hierarchy& h, Cal
 extern "C" {
 
 hmf_status hmf_components(const double* positions, size_t vertex_count, const uint32_t* triangles,
-                          size_t triangle_count, const hmf_build_options* options, const hmf_control* control,
+                          size_t triangle_count, const hmf_hierarchy_options* options, const hmf_control* control,
                           hmf_component_set** out, hmf_error* error) {
     return begin(options, control, out, error,
                  [&](const hmf_hierarchy& h, const BuildOptions& build, Call& call) -> hmf_component_set* {
@@ -202,7 +202,7 @@ hmf_status hmf_components(const double* positions, size_t vertex_count, const ui
 }
 
 hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const uint32_t* triangles,
-                             size_t triangle_count, const hmf_build_options* options, const hmf_control* control,
+                             size_t triangle_count, const hmf_hierarchy_options* options, const hmf_control* control,
                              hmf_mark_set** out, hmf_error* error) {
     return begin(options, control, out, error, [&](hmf_hierarchy& h, BuildOptions build, Call& call) -> hmf_mark_set* {
         build.marked_count = 0;

@@ -51,7 +51,7 @@ extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_cou
         hmf_loop_set loops;
     } result{{sizeof(hmf_design), 0, made.marks.size(), nullptr, nullptr, made.unevenness, made.unevenness_before,
               made.solves},
-             {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, 0, found.loops.offsets.size() - 1, nullptr, nullptr, nullptr,
+             {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, 0, found.loops.offsets.size() - 1, nullptr, nullptr, nullptr,
               nullptr}};
     ResultBlock block;
     block.array(result, result.design.marked_vertices, made.marks.size(), made.marks.data());

@@ -18,7 +18,7 @@ hmf_status loops_of_surface(const hmf_hierarchy& h, size_t level, int32_t kind, 
                          static_cast<unsigned long long>(level));
     FoundLoops found;
     if (surface_loops(h, kind, call, found)) return call.status();
-    hmf_loop_set made{sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, 0, found.count(), nullptr, nullptr, nullptr, nullptr};
+    hmf_loop_set made{sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, 0, found.count(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
     block.array(made, made.offsets, found.offsets.size(), found.offsets.data());
     block.array(made, made.elements, found.triangles.size(), found.triangles.data());
@@ -32,7 +32,7 @@ hmf_status weighted_cut_system(const hmf_hierarchy& h, size_t level, WeightedLoo
     if (h.is_double()) {
         FoundLoops found;
         if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
-        const hmf_loop_set made = {sizeof made,          HMF_LOOP_TRIANGLES,     0,       found.count(),
+        const hmf_loop_set made = {sizeof made,          HMF_PATH_TRIANGLES,     0,       found.count(),
                                    found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
         return read_loop_set(h, &made, found.is_round.data(), out, call);
     }
@@ -58,7 +58,7 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
         return call.status();
     if (level == 0 && caller_triangles(*hierarchy, loops.crossings, faces, call)) return call.status();
     hmf_loop_set made{
-        sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
+        sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
     block.array(made, made.offsets, loops.offsets.size(), loops.offsets.data());
     block.array(made, made.elements, faces.size(), faces.data());

@@ -19,10 +19,10 @@ struct SurfaceClass {
 
     hmf_status find(const hmf_hierarchy& h, int32_t kind, Call& call) {
         if (surface_loops(h, kind, call, found)) return call.status();
-        const SurfaceLoops loops = {HMF_LOOP_TRIANGLES,     found.count(),     found.offsets.data(),
+        const SurfaceLoops loops = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
                                     found.triangles.data(), found.arcs.data(), found.is_round.data()};
         if (double_loops(h, loops, call, doubled)) return call.status();
-        const GivenLoops named{HMF_LOOP_TRIANGLES, doubled.offsets.data(), doubled.elements.data()};
+        const GivenLoops named{HMF_PATH_TRIANGLES, doubled.offsets.data(), doubled.elements.data()};
         if (check_loops(h.input, doubled.loops, call, &named)) return call.status();
         return pull_tight(h.input, call, doubled.loops);
     }

@@ -83,7 +83,7 @@ hmf_status name_by_triangles(const hmf_hierarchy& h, size_t level, Call& call, L
     if (!ambiguous) return HMF_OK;
     Loops again;
     const hmf_status status =
-        read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
+        read_loops(mesh, HMF_PATH_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
     if (status) return status;
     for (size_t c = 0; c < loops.count(); ++c) {
         const size_t n = loops.length(c);

@@ -7,7 +7,7 @@ using namespace hmf;
 
 namespace hmf {
 
-static bool read(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
+static bool read(const hmf_hierarchy_options* from, hmf_hierarchy_options& all, BuildOptions& options) {
     if (!copy_options(from, all)) return false;
     if (all.collapse) options.collapse = all.collapse;
     if (all.ratio != 0) options.ratio = all.ratio;
@@ -21,7 +21,7 @@ static bool read(const hmf_build_options* from, hmf_build_options& all, BuildOpt
         && options.position_stride <= PTRDIFF_MAX;
 }
 
-bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
+bool read_build_options(const hmf_hierarchy_options* from, hmf_hierarchy_options& all, BuildOptions& options) {
     if (read(from, all, options)) return true;
     all.allocate = nullptr;
     all.release = nullptr;
@@ -31,7 +31,7 @@ bool read_build_options(const hmf_build_options* from, hmf_build_options& all, B
 hmf_status refuse_build_options(Call& call) {
     return call.fail(
         HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-        "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
+        "hmf_hierarchy_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
         "is in [0.05, 0.95], mollify in [0, 0.1], position_stride fits into memory, allocate and release come "
         "together.");
 }
@@ -45,12 +45,12 @@ hmf_status MeshEntry::check(const void* out) {
 
 extern "C" {
 
-hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
-                     const hmf_build_options* options, const hmf_control* control, hmf_hierarchy** out,
-                     hmf_error* error) {
+hmf_status hmf_hierarchy_create(const double* positions, size_t vertex_count, const uint32_t* triangles,
+                                size_t triangle_count, const hmf_hierarchy_options* options, const hmf_control* control,
+                                hmf_hierarchy** out, hmf_error* error) {
     if (out) *out = nullptr;
     const Control given(control);
-    hmf_build_options all;
+    hmf_hierarchy_options all;
     BuildOptions build;
     const bool readable = read_build_options(options, all, build);
     Memory own(all.allocate, all.release, all.allocator_user, all.memory_limit);
@@ -72,7 +72,7 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
                                               triangles, triangle_count, build, call);
     h->memory.release_kept();
     if (status != HMF_OK) {
-        hmf_destroy(h);
+        hmf_hierarchy_destroy(h);
         *out = nullptr;
     } else {
         call.finished();
@@ -80,15 +80,16 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
     return status;
 }
 
-void hmf_destroy(hmf_hierarchy* hierarchy) {
+void hmf_hierarchy_destroy(hmf_hierarchy* hierarchy) {
     if (!hierarchy || hierarchy->references.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
     Memory own(hierarchy->allocate, hierarchy->release, hierarchy->allocator_user, 0, sizeof *hierarchy);
     hierarchy->~hmf_hierarchy();
     own.give(hierarchy, sizeof *hierarchy);
 }
 
-uint64_t hmf_memory_estimate(size_t vertex_count, size_t triangle_count, const hmf_build_options* options) {
-    hmf_build_options all;
+uint64_t hmf_hierarchy_memory_estimate(size_t vertex_count, size_t triangle_count,
+                                       const hmf_hierarchy_options* options) {
+    hmf_hierarchy_options all;
     BuildOptions build;
     if (!read_build_options(options, all, build)) return 0;
     if (vertex_count == 0 || triangle_count == 0 || vertex_count > 0x7fffffff / 3 || triangle_count > 0x7fffffff / 3)

@@ -28,7 +28,7 @@ hmf_status Entry::check(const hmf_hierarchy* hierarchy, const void* out) {
     if (!control_.usable) return unusable_options("hmf_control", call);
     if (!hierarchy)
         return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
-                         "The object is NULL. Make a hierarchy with hmf_build, a foliation with hmf_solve.");
+                         "The object is NULL. Make a hierarchy with hmf_hierarchy_create, a foliation with hmf_solve.");
     if (!out)
         return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
                          "The output is NULL. Give the address of what the call is to write.");
@@ -44,13 +44,13 @@ hmf_status check_level(const hmf_hierarchy& hierarchy, size_t level, Call& call)
 
 hmf_status check_count(size_t count, size_t needed, const char* what, Call& call) {
     if (count == needed) return HMF_OK;
-    return call.fail(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, needed, "%s has %llu entries but the level has %llu.", what,
+    return call.fail(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, needed, "%s has %llu entries but the level has %llu.", what,
                      static_cast<unsigned long long>(count), static_cast<unsigned long long>(needed));
 }
 
 hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call) {
     if (capacity >= needed) return HMF_OK;
-    return call.fail(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, needed, "%s has room for %llu entries but %llu are needed.",
+    return call.fail(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, needed, "%s has room for %llu entries but %llu are needed.",
                      what, static_cast<unsigned long long>(capacity), static_cast<unsigned long long>(needed));
 }
 

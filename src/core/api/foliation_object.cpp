@@ -11,10 +11,11 @@ namespace hmf {
 
 hmf_status refuse_poles(uint64_t poles, Call& call) {
     if (poles == 0) return HMF_OK;
-    return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_NONE, 0,
-                     "The values have %llu poles; hmf_singularities lists them. Start from hmf_initialize or a "
-                     "result of hmf_solve.",
-                     static_cast<unsigned long long>(poles));
+    return call.fail(
+        HMF_ERROR_VALUE_POLE, HMF_ELEMENT_NONE, 0,
+        "The values have %llu poles; hmf_singularities lists them. Start from hmf_foliation_from_loops or a "
+        "result of hmf_solve.",
+        static_cast<unsigned long long>(poles));
 }
 
 hmf_status check_foliation(const hmf_foliation* foliation, Call& call) {
@@ -116,8 +117,8 @@ using namespace hmf;
 
 extern "C" {
 
-hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count,
-                                const hmf_control* control, hmf_foliation** out, hmf_error* error) {
+hmf_status hmf_foliation_from_values(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count,
+                                     const hmf_control* control, hmf_foliation** out, hmf_error* error) {
     Entry entry(hierarchy, control, error);
     Call& call = entry.call;
     if (entry.check(hierarchy, out) || check_level(*hierarchy, level, call)) return call.status();
@@ -144,7 +145,7 @@ void hmf_foliation_destroy(hmf_foliation* foliation) {
     hmf_hierarchy* const hierarchy = const_cast<hmf_hierarchy*>(foliation->hierarchy);
     if (Kept* const kept = foliation->kept.load()) kept->destroy(kept, *hierarchy);
     free_block(foliation);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
 }
 
 const double* hmf_foliation_values(const hmf_foliation* foliation, size_t* count) {

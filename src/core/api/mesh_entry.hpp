@@ -6,13 +6,13 @@
 namespace hmf {
 
 // The options with all defaults in place; false: they are unusable, and `all` names no allocator.
-bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options);
+bool read_build_options(const hmf_hierarchy_options* from, hmf_hierarchy_options& all, BuildOptions& options);
 hmf_status refuse_build_options(Call& call);
 
 // For calls that do not return a hierarchy.
 class MeshEntry {
     Control control_;
-    hmf_build_options all_{};
+    hmf_hierarchy_options all_{};
 
 public:
     BuildOptions options;
@@ -21,7 +21,7 @@ private:
     bool readable_;
 
 public:
-    MeshEntry(const hmf_build_options* from, const hmf_control* control, hmf_error* error) :
+    MeshEntry(const hmf_hierarchy_options* from, const hmf_control* control, hmf_error* error) :
         control_(control), readable_(read_build_options(from, all_, options)),
         hierarchy(all_.allocate, all_.release, all_.allocator_user, all_.memory_limit),
         call(hierarchy.memory, error, control_.given) {

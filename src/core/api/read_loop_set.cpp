@@ -23,9 +23,9 @@ struct Given {
 // Kind, count and offsets.
 hmf_status check_shape(const hmf_hierarchy& h, const hmf_loop_set& all, Call& call) {
     if (all.level >= h.level_count) return check_level(h, static_cast<size_t>(all.level), call);
-    if (all.element_kind != HMF_LOOP_TRIANGLES && all.element_kind != HMF_LOOP_VERTICES)
+    if (all.element_kind != HMF_PATH_TRIANGLES && all.element_kind != HMF_PATH_VERTICES)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                         "element_kind is %d. Use HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES.",
+                         "element_kind is %d. Use HMF_PATH_TRIANGLES or HMF_PATH_VERTICES.",
                          static_cast<int>(all.element_kind));
     if (all.count == 0 || !all.offsets || !all.elements)
         return call.fail(all.count == 0 ? HMF_ERROR_LOOP_COUNT : HMF_ERROR_NULL, HMF_ELEMENT_LOOP, 0,
@@ -72,7 +72,7 @@ hmf_status read_on_closed(const hmf_hierarchy& h, const hmf_loop_set& all, Weigh
     if (out.level == 0) {
         const uint64_t elements = all.offsets[all.count];
         if (!given.internal.allocate(call.memory, elements)) return call.out_of_memory();
-        const bool triangles = all.element_kind == HMF_LOOP_TRIANGLES;
+        const bool triangles = all.element_kind == HMF_PATH_TRIANGLES;
         const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
         for (uint64_t i = 0; i < elements; ++i)
             given.internal[i] = all.elements[i] >= limit ? NONE

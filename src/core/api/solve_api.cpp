@@ -124,8 +124,8 @@ using namespace hmf;
 
 extern "C" {
 
-hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_control* control,
-                          hmf_foliation** out, hmf_error* error) {
+hmf_status hmf_foliation_from_loops(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops,
+                                    const hmf_control* control, hmf_foliation** out, hmf_error* error) {
     Entry entry(hierarchy, control, error);
     Call& call = entry.call;
     if (entry.check(hierarchy, out)) return call.status();

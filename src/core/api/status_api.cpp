@@ -15,7 +15,7 @@ const char* hmf_status_string(hmf_status status) {
     case HMF_CANCELLED: return "cancelled by the progress callback";
     case HMF_ERROR_NULL: return "a required pointer is NULL";
     case HMF_ERROR_OPTIONS: return "an option is out of range";
-    case HMF_ERROR_CAPACITY: return "an array has the wrong size";
+    case HMF_ERROR_COUNT: return "an array has the wrong size";
     case HMF_ERROR_LEVEL: return "no such level";
     case HMF_ERROR_UNSUPPORTED: return "not available in this version";
     case HMF_ERROR_MEMORY: return "out of memory";

@@ -196,8 +196,9 @@ hmf_status Call::fail(hmf_status status, int32_t element, uint64_t index, const 
 hmf_status Call::out_of_memory() {
     if (cancelled_) return was_cancelled();
     if (memory.failure() == HMF_ERROR_MEMORY_LIMIT)
-        return fail(HMF_ERROR_MEMORY_LIMIT, HMF_ELEMENT_NONE, 0,
-                    "The memory limit is too low. Raise memory_limit; hmf_memory_estimate gives a sufficient value.");
+        return fail(
+            HMF_ERROR_MEMORY_LIMIT, HMF_ELEMENT_NONE, 0,
+            "The memory limit is too low. Raise memory_limit; hmf_hierarchy_memory_estimate gives a sufficient value.");
     return fail(HMF_ERROR_MEMORY, HMF_ELEMENT_NONE, 0,
                 "The allocator returned no memory. Free some, or use a smaller mesh.");
 }

@@ -50,7 +50,7 @@ uint32_t common_element(const GivenLoops* given, size_t c, size_t d, Memory& mem
 // that crosses an earlier one.
 hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, const GivenLoops* given,
                          Call& call) {
-    const char* const word = given && given->element_kind == HMF_LOOP_TRIANGLES ? "triangle" : "vertex";
+    const char* const word = given && given->element_kind == HMF_PATH_TRIANGLES ? "triangle" : "vertex";
     for (size_t c = 0; c < loops.count(); ++c) {
         if (c % 256 == 0 && !call.tick(0, true)) return call.was_cancelled();
         bool is_simple = false;

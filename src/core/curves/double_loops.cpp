@@ -17,7 +17,7 @@ public:
 
 private:
     bool is_arc(size_t c) const { return given_.arcs && given_.arcs[c] != 0; }
-    bool is_triangles() const { return given_.element_kind == HMF_LOOP_TRIANGLES; }
+    bool is_triangles() const { return given_.element_kind == HMF_PATH_TRIANGLES; }
     Done find_sheets();
     hmf_status check_elements(size_t c);
     hmf_status check_ends(size_t c);

@@ -15,7 +15,7 @@
 namespace hmf {
 
 struct SurfaceLoops {
-    int32_t element_kind; // HMF_LOOP_*
+    int32_t element_kind; // HMF_PATH_*
     size_t count;
     const uint64_t* offsets;
     const uint32_t* elements; // in the caller's numbers of level 0

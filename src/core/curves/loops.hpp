@@ -52,8 +52,8 @@ struct Loops {
 // foliation has no poles.  Classes, order and directions stay.
 [[nodiscard]] hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
 
-// Loops of the caller: elements are faces (element_kind HMF_LOOP_TRIANGLES)
-// or vertices (HMF_LOOP_VERTICES) of mesh.  Removes backtracking.  Checks
+// Loops of the caller: elements are faces (element_kind HMF_PATH_TRIANGLES)
+// or vertices (HMF_PATH_VERTICES) of mesh.  Removes backtracking.  Checks
 // indices and closedness only; error indices are loop numbers.
 [[nodiscard]] hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
                                     const uint32_t* elements, Call& call, Loops& out);

@@ -193,7 +193,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                 "Loop %llu has no elements: offsets[%llu] is %llu and offsets[%llu] is %llu. Offsets must increase.",
                 static_cast<Long>(c), static_cast<Long>(c), static_cast<Long>(offsets[c]), static_cast<Long>(c) + 1,
                 static_cast<Long>(offsets[c + 1]));
-    const bool triangles = element_kind == HMF_LOOP_TRIANGLES;
+    const bool triangles = element_kind == HMF_PATH_TRIANGLES;
     // Elements are named by their place: the caller may number them otherwise.
     const char* const word = triangles ? "triangle" : "vertex";
     const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;

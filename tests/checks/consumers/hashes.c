@@ -174,8 +174,8 @@ static int print_charts(const hmf_foliation* foliation, hmf_error* error) {
     return 1;
 }
 
-static hmf_build_options build_options(const uint32_t* marks, size_t mark_count) {
-    hmf_build_options build;
+static hmf_hierarchy_options build_options(const uint32_t* marks, size_t mark_count) {
+    hmf_hierarchy_options build;
     memset(&build, 0, sizeof build);
     build.struct_size = (uint32_t)sizeof build;
     build.coarsest = 200;
@@ -220,27 +220,29 @@ static int uses(const char* name, const hmf_hierarchy* hierarchy, const hmf_loop
 }
 
 static int one(const char* name, int kind, const uint32_t* marks, size_t mark_count) {
-    const hmf_build_options build = build_options(marks, mark_count);
+    const hmf_hierarchy_options build = build_options(marks, mark_count);
     hmf_hierarchy* hierarchy = NULL;
     hmf_loop_set* loops = NULL;
     hmf_error error;
     int failed;
 
     memset(&error, 0, sizeof error);
-    if (check("hmf_build",
-              hmf_build(positions, vertex_count, triangles, triangle_count, &build, NULL, &hierarchy, &error), &error))
+    if (check(
+            "hmf_hierarchy_create",
+            hmf_hierarchy_create(positions, vertex_count, triangles, triangle_count, &build, NULL, &hierarchy, &error),
+            &error))
         return 1;
     failed = check("hmf_loops", hmf_loops(hierarchy, 0, kind, NULL, &loops, &error), &error)
           || uses(name, hierarchy, loops, 0);
     hmf_free(loops);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
     return failed;
 }
 
 static int even(const char* name) {
     hmf_design* design = NULL;
     hmf_hierarchy* hierarchy = NULL;
-    hmf_build_options build;
+    hmf_hierarchy_options build;
     hmf_error error;
     int failed;
 
@@ -249,11 +251,12 @@ static int even(const char* name) {
               hmf_even_design(positions, vertex_count, triangles, triangle_count, NULL, NULL, &design, &error), &error))
         return 1;
     build = build_options(design->marked_vertices, (size_t)design->marked_count);
-    failed =
-        check("hmf_build",
-              hmf_build(positions, vertex_count, triangles, triangle_count, &build, NULL, &hierarchy, &error), &error)
-        || uses(name, hierarchy, design->loops, 1);
-    hmf_destroy(hierarchy);
+    failed = check("hmf_hierarchy_create",
+                   hmf_hierarchy_create(positions, vertex_count, triangles, triangle_count, &build, NULL, &hierarchy,
+                                        &error),
+                   &error)
+          || uses(name, hierarchy, design->loops, 1);
+    hmf_hierarchy_destroy(hierarchy);
     hmf_free(design);
     return failed;
 }

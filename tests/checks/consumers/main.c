@@ -72,8 +72,8 @@ int main(void) {
         return 1;
     }
     make_torus();
-    status = hmf_build(positions, N * M, triangles, 2 * N * M, NULL, NULL, &hierarchy, &error);
-    if (status != HMF_OK) return fail("hmf_build", status, &error);
+    status = hmf_hierarchy_create(positions, N * M, triangles, 2 * N * M, NULL, NULL, &hierarchy, &error);
+    if (status != HMF_OK) return fail("hmf_hierarchy_create", status, &error);
     if (hmf_genus(hierarchy) != 1) return fail("hmf_genus", HMF_ERROR_INTERNAL, &error);
 
     status = hmf_loops(hierarchy, hmf_level_count(hierarchy) - 1, HMF_LOOPS_CUT, NULL, &loops, &error);
@@ -96,6 +96,6 @@ int main(void) {
     hmf_free(loops);
     hmf_free(zeros);
     hmf_foliation_destroy(foliation);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
     return wrong;
 }

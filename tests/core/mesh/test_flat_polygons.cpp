@@ -32,7 +32,7 @@ Energies energies(const TriMesh& mesh, const std::vector<uint32_t>& meridian, co
     EXPECT_LE(hierarchy.get()->intrinsic_flip_count, hmf::INTRINSIC_FLIPS_PER_EDGE * hierarchy.edges(0));
     for (const bool which : {false, true}) {
         Loops loops;
-        loops.kind = HMF_LOOP_VERTICES;
+        loops.kind = HMF_PATH_VERTICES;
         loops.add(which ? longitude : meridian);
         const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
         EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;

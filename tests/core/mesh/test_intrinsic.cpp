@@ -216,18 +216,18 @@ TEST(Intrinsic, EnergyDependsOnTheMetricOnly) {
 
 namespace {
 
-hmf_build_options mollified(double margin) {
-    hmf_build_options options{};
+hmf_hierarchy_options mollified(double margin) {
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.mollify = margin;
     return options;
 }
 
-hmf_status build_status(const TriMesh& mesh, const hmf_build_options& options) {
+hmf_status build_status(const TriMesh& mesh, const hmf_hierarchy_options& options) {
     hmf_hierarchy* hierarchy = nullptr;
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, nullptr, &hierarchy, nullptr);
-    hmf_destroy(hierarchy);
+    const hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                   mesh.triangle_count(), &options, nullptr, &hierarchy, nullptr);
+    hmf_hierarchy_destroy(hierarchy);
     return status;
 }
 
@@ -259,7 +259,7 @@ TEST(Mollify, TrianglesWithoutAreaAndEdgesWithoutLength) {
         EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
         expect_foliation(read_level(hierarchy, 0), solution.foliation);
         // The library finds its loops on a hierarchy of its own, with the same lengths.
-        hmf_build_options other = mollified(margin);
+        hmf_hierarchy_options other = mollified(margin);
         other.ratio = 0.3;
         const Hierarchy coarser(mesh, other);
         ASSERT_TRUE(coarser);

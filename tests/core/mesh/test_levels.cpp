@@ -200,17 +200,17 @@ TEST(Levels, PositionStride) {
     std::vector<double> wide(5 * mesh.vertex_count(), NAN);
     for (size_t v = 0; v < mesh.vertex_count(); ++v)
         std::memcpy(&wide[5 * v], &mesh.positions[3 * v], 3 * sizeof(double));
-    hmf_build_options options{};
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.position_stride = 5 * sizeof(double);
     hmf_hierarchy* hierarchy = nullptr;
-    ASSERT_EQ(hmf_build(wide.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), &options,
-                        nullptr, &hierarchy, nullptr),
+    ASSERT_EQ(hmf_hierarchy_create(wide.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                                   &options, nullptr, &hierarchy, nullptr),
               HMF_OK);
     std::vector<double> positions(mesh.positions.size());
     EXPECT_EQ(hmf_level_positions(hierarchy, 0, positions.data(), positions.size(), nullptr), HMF_OK);
     EXPECT_EQ(positions, mesh.positions);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
 }
 
 TEST(Levels, BuildIsDeterministicAndFreeOfUnits) {
@@ -235,13 +235,13 @@ TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
     for (const auto& sample : sample_meshes()) {
         SCOPED_TRACE(sample.first);
         Meter meter;
-        const hmf_build_options options = meter.options(0);
+        const hmf_hierarchy_options options = meter.options(0);
         {
             const Hierarchy hierarchy(sample.second, options);
             ASSERT_TRUE(hierarchy);
             EXPECT_EQ(hmf_hierarchy_memory(hierarchy.get()), meter.used);
-            EXPECT_LE(meter.peak,
-                      hmf_memory_estimate(sample.second.vertex_count(), sample.second.triangle_count(), &options));
+            EXPECT_LE(meter.peak, hmf_hierarchy_memory_estimate(sample.second.vertex_count(),
+                                                                sample.second.triangle_count(), &options));
         }
         EXPECT_EQ(meter.used, 0u);
     }
@@ -251,16 +251,16 @@ TEST(Levels, NothingForNull) {
     EXPECT_EQ(hmf_level_count(nullptr), 0u);
     EXPECT_EQ(hmf_genus(nullptr), 0u);
     EXPECT_EQ(hmf_hierarchy_memory(nullptr), 0u);
-    EXPECT_EQ(hmf_memory_estimate(0, 0, nullptr), 0u);
-    EXPECT_EQ(hmf_memory_estimate(SIZE_MAX, SIZE_MAX, nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_memory_estimate(0, 0, nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_memory_estimate(SIZE_MAX, SIZE_MAX, nullptr), 0u);
     // Of a mesh that numbers of 32 bits can hold.
     const size_t most = 0x7fffffff / 3;
-    EXPECT_GT(hmf_memory_estimate(most / 2, most, nullptr), 0u);
-    EXPECT_GT(hmf_memory_estimate(most, most, nullptr), 0u);
-    EXPECT_EQ(hmf_memory_estimate(most + 1, most, nullptr), 0u);
-    EXPECT_EQ(hmf_memory_estimate(most, most + 1, nullptr), 0u);
-    EXPECT_EQ(hmf_memory_estimate(1, 0, nullptr), 0u);
-    EXPECT_EQ(hmf_memory_estimate(0, 1, nullptr), 0u);
+    EXPECT_GT(hmf_hierarchy_memory_estimate(most / 2, most, nullptr), 0u);
+    EXPECT_GT(hmf_hierarchy_memory_estimate(most, most, nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_memory_estimate(most + 1, most, nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_memory_estimate(most, most + 1, nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_memory_estimate(1, 0, nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_memory_estimate(0, 1, nullptr), 0u);
 }
 
 TEST(Levels, VersionAndTexts) {

@@ -98,7 +98,7 @@ Curves random_arcs(const Hierarchy& hierarchy, size_t wished, Random& random) {
         more.add(path, true, 1 + double(random.below(4)) / 4);
         const hmf_loop_set set = more.view();
         hmf_foliation* raw = nullptr;
-        const hmf_status status = hmf_initialize(hierarchy.get(), &set, nullptr, &raw, nullptr);
+        const hmf_status status = hmf_foliation_from_loops(hierarchy.get(), &set, nullptr, &raw, nullptr);
         hmf_foliation_destroy(raw);
         if (status != HMF_OK) {
             EXPECT_TRUE(status == HMF_ERROR_LOOP_TRIVIAL || status == HMF_ERROR_LOOP_PARALLEL
@@ -340,7 +340,7 @@ TEST(Boundary, LoopsRoundABoundaryAreKnown) {
             hmf::Call call(memory, &error, nullptr, nullptr);
             hmf::FoundLoops found;
             ASSERT_EQ(hmf::surface_loops(*hierarchy.get(), kind, call, found), HMF_OK) << error.message;
-            hmf::SurfaceLoops given = {HMF_LOOP_TRIANGLES,     found.count(),     found.offsets.data(),
+            hmf::SurfaceLoops given = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
                                        found.triangles.data(), found.arcs.data(), found.is_round.data()};
             hmf::DoubledLoops known, searched;
             ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, call, known), HMF_OK) << error.message;

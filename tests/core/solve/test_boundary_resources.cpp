@@ -16,16 +16,16 @@ namespace {
 // The calls of the interface on a surface with boundary, one after the other.
 struct Calls {
     const TriMesh& mesh;
-    const hmf_build_options& options;
+    const hmf_hierarchy_options& options;
     hmf_hierarchy* hierarchy = nullptr;
     hmf_loop_set* loops = nullptr;
     hmf_foliation* foliation = nullptr;
 
-    Calls(const TriMesh& m, const hmf_build_options& o) : mesh(m), options(o) {}
+    Calls(const TriMesh& m, const hmf_hierarchy_options& o) : mesh(m), options(o) {}
     ~Calls() {
         hmf_free(loops);
         hmf_foliation_destroy(foliation);
-        hmf_destroy(hierarchy);
+        hmf_hierarchy_destroy(hierarchy);
     }
     // visit(call) runs it; anything but HMF_OK ends.
     template <class Visit>
@@ -45,8 +45,8 @@ struct Calls {
         });
         if (!status)
             status = visit([&](const hmf_control* control) {
-                return hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                 mesh.triangle_count(), &options, control, &hierarchy, &error);
+                return hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                            mesh.triangle_count(), &options, control, &hierarchy, &error);
             });
         if (!status)
             status = visit([&](const hmf_control* control) {
@@ -101,7 +101,7 @@ TEST(Boundary, MemoryLimitIsKept) {
     for (uint64_t limit = 4096; !done; limit += limit / 16 + 1) {
         Meter meter;
         {
-            hmf_build_options options = meter.options();
+            hmf_hierarchy_options options = meter.options();
             options.memory_limit = limit;
             Calls calls(mesh, options);
             size_t number = 0;
@@ -140,7 +140,7 @@ struct Stop {
 TEST(Boundary, ACancelledBuildStopsAtOnce) {
     const TriMesh mesh = mesh_with_boundary();
     Meter meter;
-    const hmf_build_options options = meter.options();
+    const hmf_hierarchy_options options = meter.options();
     hmf_hierarchy* hierarchy = nullptr;
     uint64_t report = 0;
     for (;;) {
@@ -149,22 +149,23 @@ TEST(Boundary, ACancelledBuildStopsAtOnce) {
         control.struct_size = sizeof control;
         control.progress = Stop::call;
         control.progress_user = &stop;
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                            mesh.triangle_count(), &options, &control, &hierarchy, nullptr);
+        const hmf_status status =
+            hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), &options, &control, &hierarchy, nullptr);
         if (status == HMF_OK) break;
         ASSERT_EQ(status, HMF_CANCELLED) << "report " << report;
         EXPECT_EQ(meter.calls, stop.allocations) << "report " << report;
         EXPECT_EQ(meter.used, 0u) << "report " << report;
     }
     EXPECT_GT(report, 10u);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
 }
 
 TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
     const TriMesh mesh = mesh_with_boundary();
     Meter meter;
     {
-        const hmf_build_options options = meter.options();
+        const hmf_hierarchy_options options = meter.options();
         Calls calls(mesh, options);
         size_t number = 0;
         const hmf_status status = calls.run([&](const std::function<hmf_status(const hmf_control*)>& call) {

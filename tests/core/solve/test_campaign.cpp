@@ -97,8 +97,8 @@ TriMesh random_formula(Random& random) {
 
 enum class Family { usual, marked, lattices, flat };
 
-hmf_build_options build_options_of(const Problem& p, double ratio, uint64_t coarsest = 0, int32_t collapse = 0) {
-    hmf_build_options options{};
+hmf_hierarchy_options build_options_of(const Problem& p, double ratio, uint64_t coarsest = 0, int32_t collapse = 0) {
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.ratio = ratio;
     options.coarsest = coarsest;

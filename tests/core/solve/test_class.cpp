@@ -103,14 +103,14 @@ TriMesh random_surface(Random& random) {
 // A foliation on the coarsest level, made from some of the library's loops.
 struct Start {
     Start(const TriMesh& mesh, int32_t kind, double ratio = 0.5) : Start(mesh, kind, options_of(ratio)) {}
-    Start(const TriMesh& mesh, int32_t kind, const hmf_build_options& options) :
+    Start(const TriMesh& mesh, int32_t kind, const hmf_hierarchy_options& options) :
         hierarchy(mesh, options), memory(nullptr, nullptr, nullptr, 0), call(memory, &error, nullptr, nullptr) {
         const hmf_hierarchy& h = *hierarchy.get();
         EXPECT_TRUE(state.allocate(h, 0, memory));
         EXPECT_EQ(hmf::library_loops(h, h.level_count - 1, kind, call, loops), HMF_OK);
     }
-    static hmf_build_options options_of(double ratio) {
-        hmf_build_options options{};
+    static hmf_hierarchy_options options_of(double ratio) {
+        hmf_hierarchy_options options{};
         options.struct_size = sizeof options;
         options.ratio = ratio;
         options.coarsest = 300;
@@ -242,7 +242,7 @@ TEST(ClassCertificate, SaysThatThereIsACylinderTooMany) {
 // With a marked vertex pants have a pair of loops that only the mark lies between.
 TEST(ClassCertificate, TellsLoopsOnBothSidesOfAMarkApart) {
     const uint32_t mark = 17;
-    hmf_build_options options = Start::options_of(0.5);
+    hmf_hierarchy_options options = Start::options_of(0.5);
     options.marked_vertices = &mark;
     options.marked_count = 1;
     Start start(pretzel(2, 3), HMF_LOOPS_PANTS, options);

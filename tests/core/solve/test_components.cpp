@@ -46,7 +46,7 @@ Mixture mix(const std::vector<TriMesh>& parts) {
     return all;
 }
 
-Owned<hmf_component_set> divide(const TriMesh& mesh, const hmf_build_options* options = nullptr) {
+Owned<hmf_component_set> divide(const TriMesh& mesh, const hmf_hierarchy_options* options = nullptr) {
     return make<hmf_component_set>([&](hmf_component_set** out, hmf_error* e) {
         return hmf_components(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
                               options, nullptr, out, e);
@@ -167,10 +167,10 @@ TEST(Components, SayWhatEachIs) {
         // The same as the build, with the element in the whole mesh.
         hmf_hierarchy* out = nullptr;
         hmf_error error{};
-        EXPECT_EQ(hmf_build(parts[k].positions.data(), parts[k].vertex_count(), parts[k].triangles.data(),
-                            parts[k].triangle_count(), nullptr, nullptr, &out, &error),
+        EXPECT_EQ(hmf_hierarchy_create(parts[k].positions.data(), parts[k].vertex_count(), parts[k].triangles.data(),
+                                       parts[k].triangle_count(), nullptr, nullptr, &out, &error),
                   c.status);
-        hmf_destroy(out);
+        hmf_hierarchy_destroy(out);
         EXPECT_EQ(c.element, error.element);
         if (c.element == HMF_ELEMENT_TRIANGLE) {
             EXPECT_EQ(set->triangle_component[c.index], k);
@@ -187,7 +187,7 @@ TEST(Components, MarksGoToTheirComponents) {
     const Mixture whole = mix({octahedron(), torus(9, 8, 3, 1), octahedron()});
     const std::vector<uint32_t> marks = {whole.vertices[2][5], whole.vertices[1][3], whole.vertices[2][0], 0,
                                          whole.vertices[2][1], whole.vertices[2][4]};
-    hmf_build_options options{};
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.marked_vertices = marks.data();
     options.marked_count = marks.size();
@@ -215,7 +215,7 @@ TEST(Components, MarksAreSuggestedForEach) {
     const std::vector<uint32_t> marks = suggested(whole.mesh);
     EXPECT_EQ(std::set<uint32_t>(marks.begin(), marks.end()), expected);
     EXPECT_EQ(marks.size(), expected.size());
-    hmf_build_options options{};
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.marked_vertices = marks.data();
     options.marked_count = marks.size();
@@ -250,7 +250,7 @@ TEST(Components, OneIsTheMesh) {
 
 TEST(Components, ErrorsOfTheCall) {
     const TriMesh mesh = octahedron();
-    const auto status = [&](const TriMesh& m, const hmf_build_options* options, hmf_error& error) {
+    const auto status = [&](const TriMesh& m, const hmf_hierarchy_options* options, hmf_error& error) {
         hmf_component_set* out = nullptr;
         const hmf_status s = hmf_components(m.positions.data(), m.vertex_count(), m.triangles.data(),
                                             m.triangle_count(), options, nullptr, &out, &error);
@@ -266,7 +266,7 @@ TEST(Components, ErrorsOfTheCall) {
     EXPECT_EQ(status(wrong, nullptr, error), HMF_ERROR_MESH_INDEX);
     EXPECT_EQ(error.index, 2u);
     const uint32_t twice[] = {1, 1}, beyond[] = {6};
-    hmf_build_options options{};
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     options.marked_vertices = twice;
     options.marked_count = 2;

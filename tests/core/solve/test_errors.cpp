@@ -45,12 +45,12 @@ hmf_error expect_failure(hmf_status expected, Call&& call) {
     return error;
 }
 
-hmf_status build(const TriMesh& mesh, hmf_error& error, const hmf_build_options* options = nullptr) {
+hmf_status build(const TriMesh& mesh, hmf_error& error, const hmf_hierarchy_options* options = nullptr) {
     hmf_hierarchy* hierarchy = reinterpret_cast<hmf_hierarchy*>(&error); // must be overwritten
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), options, nullptr, &hierarchy, &error);
+    const hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                   mesh.triangle_count(), options, nullptr, &hierarchy, &error);
     EXPECT_EQ(hierarchy == nullptr, status != HMF_OK);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
     return status;
 }
 
@@ -160,7 +160,7 @@ protected:
     }
     hmf_error initialized(const hmf_loop_set* set) {
         return outcome<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
-            return hmf_initialize(hierarchy.get(), set, nullptr, out, error);
+            return hmf_foliation_from_loops(hierarchy.get(), set, nullptr, out, error);
         });
     }
     hmf_error solved(const hmf_loop_set* set, const hmf_solve_options* options = nullptr) {
@@ -191,7 +191,7 @@ protected:
     }
     hmf_error created(const std::vector<double>& values, size_t level = 0) {
         return outcome<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
-            return hmf_foliation_create(hierarchy.get(), level, values.data(), values.size(), nullptr, out, error);
+            return hmf_foliation_from_values(hierarchy.get(), level, values.data(), values.size(), nullptr, out, error);
         });
     }
     void expect_values(const std::vector<double>& values, hmf_status expected) {
@@ -249,10 +249,12 @@ TEST_F(OnTorus, NullPointers) {
     const uint32_t* triangles = t.triangles.data();
     const size_t vertices = t.vertex_count(), faces = t.triangle_count();
     hmf_hierarchy* h = nullptr;
-    expect_error(hmf_build(nullptr, vertices, triangles, faces, nullptr, nullptr, &h, &error), HMF_ERROR_NULL, error);
-    expect_error(hmf_build(positions, vertices, nullptr, faces, nullptr, nullptr, &h, &error), HMF_ERROR_NULL, error);
-    expect_error(hmf_build(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error), HMF_ERROR_NULL,
-                 error);
+    expect_error(hmf_hierarchy_create(nullptr, vertices, triangles, faces, nullptr, nullptr, &h, &error),
+                 HMF_ERROR_NULL, error);
+    expect_error(hmf_hierarchy_create(positions, vertices, nullptr, faces, nullptr, nullptr, &h, &error),
+                 HMF_ERROR_NULL, error);
+    expect_error(hmf_hierarchy_create(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error),
+                 HMF_ERROR_NULL, error);
     EXPECT_EQ(h, nullptr);
     expect_error(hmf_components(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error),
                  HMF_ERROR_NULL, error);
@@ -270,7 +272,7 @@ TEST_F(OnTorus, NullPointers) {
     const hmf_loop_set set = loops.view();
     hmf_foliation* none = nullptr;
     expect_error(hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, &none, &error), HMF_ERROR_NULL, error);
-    expect_error(hmf_initialize(hierarchy.get(), nullptr, nullptr, &none, &error), HMF_ERROR_NULL, error);
+    expect_error(hmf_foliation_from_loops(hierarchy.get(), nullptr, nullptr, &none, &error), HMF_ERROR_NULL, error);
     EXPECT_EQ(none, nullptr);
     for (const bool there : {false, true}) {
         SCOPED_TRACE(there);
@@ -301,8 +303,8 @@ TEST_F(OnTorus, NullPointers) {
         make(static_cast<hmf_loop_set*>(nullptr),
              [&](auto out, auto e) { return hmf_loops(x, 0, HMF_LOOPS_CUT, nullptr, out, e); });
         hmf_foliation* const made = nullptr;
-        make(made, [&](auto out, auto e) { return hmf_initialize(x, &set, nullptr, out, e); });
-        make(made, [&](auto out, auto e) { return hmf_foliation_create(x, 0, v, count, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_foliation_from_loops(x, &set, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_foliation_from_values(x, 0, v, count, nullptr, out, e); });
         make(made, [&](auto out, auto e) { return hmf_solve(x, &set, nullptr, nullptr, out, e); });
         make(made, [&](auto out, auto e) { return hmf_solve_cut_system(x, nullptr, nullptr, out, e); });
         make(made, [&](auto out, auto e) { return hmf_relax(y, nullptr, nullptr, out, e); });
@@ -321,7 +323,7 @@ TEST_F(OnTorus, NullPointers) {
              [&](auto out, auto e) { return hmf_atlas(y, nullptr, nullptr, out, e); });
     }
     expect_failure<hmf_foliation>(HMF_ERROR_NULL, [&](auto out, hmf_error* e) {
-        return hmf_foliation_create(hierarchy.get(), 0, nullptr, count, nullptr, out, e);
+        return hmf_foliation_from_values(hierarchy.get(), 0, nullptr, count, nullptr, out, e);
     });
     // The error itself is optional.
     EXPECT_EQ(hmf_level_counts(nullptr, 0, &info, nullptr), HMF_ERROR_NULL);
@@ -329,7 +331,7 @@ TEST_F(OnTorus, NullPointers) {
 }
 
 TEST(Call, NullIsFreed) {
-    hmf_destroy(nullptr);
+    hmf_hierarchy_destroy(nullptr);
     hmf_foliation_destroy(nullptr);
     hmf_free(nullptr);
     size_t count = 7;
@@ -343,8 +345,8 @@ TEST(Call, NullIsFreed) {
 
 TEST_F(OnTorus, BuildOptions) {
     const TriMesh t = small_torus();
-    const auto expect_options = [&](void (*change)(hmf_build_options&), hmf_status expected) {
-        hmf_build_options options = sized<hmf_build_options>();
+    const auto expect_options = [&](void (*change)(hmf_hierarchy_options&), hmf_status expected) {
+        hmf_hierarchy_options options = sized<hmf_hierarchy_options>();
         change(options);
         hmf_error error{};
         const hmf_status status = build(t, error, &options);
@@ -354,27 +356,27 @@ TEST_F(OnTorus, BuildOptions) {
             expect_error(status, expected, error);
         }
     };
-    expect_options([](hmf_build_options&) {}, HMF_OK);
-    expect_options([](hmf_build_options& o) { o.ratio = 0.04; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.ratio = 0.96; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.ratio = -0.5; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.ratio = NAN; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.ratio = 0.05; }, HMF_OK);
-    expect_options([](hmf_build_options& o) { o.ratio = 0.95; }, HMF_OK);
-    expect_options([](hmf_build_options& o) { o.collapse = 4; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.collapse = -1; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.allocate = Meter::take; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.release = Meter::give; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.coarsest = UINT64_MAX; }, HMF_OK);
-    expect_options([](hmf_build_options& o) { o.position_stride = 24; }, HMF_OK);
-    expect_options([](hmf_build_options& o) { o.position_stride = 8; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.position_stride = 16; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.position_stride = 25; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.position_stride = 28; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options&) {}, HMF_OK);
+    expect_options([](hmf_hierarchy_options& o) { o.ratio = 0.04; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.ratio = 0.96; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.ratio = -0.5; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.ratio = NAN; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.ratio = 0.05; }, HMF_OK);
+    expect_options([](hmf_hierarchy_options& o) { o.ratio = 0.95; }, HMF_OK);
+    expect_options([](hmf_hierarchy_options& o) { o.collapse = 4; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.collapse = -1; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.allocate = Meter::take; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.release = Meter::give; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.coarsest = UINT64_MAX; }, HMF_OK);
+    expect_options([](hmf_hierarchy_options& o) { o.position_stride = 24; }, HMF_OK);
+    expect_options([](hmf_hierarchy_options& o) { o.position_stride = 8; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.position_stride = 16; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.position_stride = 25; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.position_stride = 28; }, HMF_ERROR_OPTIONS);
     // Steps that would go back by a few bytes.
     for (const uint64_t near : {7u, 23u, 63u})
         for (const uint64_t stride : {UINT64_MAX - near, (uint64_t{1} << 63) - near - 1, (uint64_t{1} << 61) + 24}) {
-            hmf_build_options options = sized<hmf_build_options>();
+            hmf_hierarchy_options options = sized<hmf_hierarchy_options>();
             options.position_stride = stride;
             hmf_error error{};
             expect_error(build(t, error, &options), HMF_ERROR_OPTIONS, error);
@@ -387,9 +389,9 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
     const Solution harmonic = relax(f, solve_options(HMF_METHOD_NEWTON, 0));
     ASSERT_EQ(harmonic.status, HMF_OK);
     {
-        SCOPED_TRACE("hmf_build_options");
-        expect_sizes(sized<hmf_build_options>(),
-                     [&](const hmf_build_options* o, hmf_error* error) { return build(t, *error, o); });
+        SCOPED_TRACE("hmf_hierarchy_options");
+        expect_sizes(sized<hmf_hierarchy_options>(),
+                     [&](const hmf_hierarchy_options* o, hmf_error* error) { return build(t, *error, o); });
     }
     {
         SCOPED_TRACE("hmf_solve_options");
@@ -475,9 +477,9 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         double energy = 0;
         every([&](const hmf_control* c, hmf_error* error) {
             hmf_hierarchy* made = nullptr;
-            const hmf_status status = hmf_build(t.positions.data(), t.vertex_count(), t.triangles.data(),
-                                                t.triangle_count(), nullptr, c, &made, error);
-            hmf_destroy(made);
+            const hmf_status status = hmf_hierarchy_create(t.positions.data(), t.vertex_count(), t.triangles.data(),
+                                                           t.triangle_count(), nullptr, c, &made, error);
+            hmf_hierarchy_destroy(made);
             return status;
         });
         const auto making = [&](auto* kind, auto&& call) {
@@ -497,9 +499,9 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         const hmf_loop_set set = loops.view();
         making(static_cast<hmf_loop_set*>(nullptr),
                [&](auto c, auto out, auto e) { return hmf_loops(h, 0, HMF_LOOPS_CUT, c, out, e); });
-        making(foliation, [&](auto c, auto out, auto e) { return hmf_initialize(h, &set, c, out, e); });
+        making(foliation, [&](auto c, auto out, auto e) { return hmf_foliation_from_loops(h, &set, c, out, e); });
         making(foliation, [&](auto c, auto out, auto e) {
-            return hmf_foliation_create(h, 0, values.data(), values.size(), c, out, e);
+            return hmf_foliation_from_values(h, 0, values.data(), values.size(), c, out, e);
         });
         making(foliation, [&](auto c, auto out, auto e) { return hmf_solve(h, &set, nullptr, c, out, e); });
         making(foliation, [&](auto c, auto out, auto e) { return hmf_relax(g, nullptr, c, out, e); });
@@ -586,8 +588,8 @@ TEST_F(OnTorus, CapacitiesAndLevels) {
     std::vector<double> reals(3 * edges, -1);
     hmf_level_info info{};
     hmf_error error{};
-    for (const hmf_status expected : {HMF_ERROR_CAPACITY, HMF_ERROR_LEVEL}) {
-        const size_t level = expected == HMF_ERROR_LEVEL ? none : 0, less = expected == HMF_ERROR_CAPACITY ? 1 : 0;
+    for (const hmf_status expected : {HMF_ERROR_COUNT, HMF_ERROR_LEVEL}) {
+        const size_t level = expected == HMF_ERROR_LEVEL ? none : 0, less = expected == HMF_ERROR_COUNT ? 1 : 0;
         const auto check = [&](hmf_status status) {
             expect_error(status, expected, error);
             error = hmf_error{};
@@ -598,13 +600,13 @@ TEST_F(OnTorus, CapacitiesAndLevels) {
         check(hmf_level_weights(h, level, reals.data(), edges - less, &error));
         check(hmf_level_positions(h, level, reals.data(), 3 * vertices - less, &error));
         expect_failure<hmf_foliation>(expected, [&](auto out, hmf_error* e) {
-            return hmf_foliation_create(h, level, values.data(), edges - less, nullptr, out, e);
+            return hmf_foliation_from_values(h, level, values.data(), edges - less, nullptr, out, e);
         });
     }
-    expect_failure<hmf_foliation>(HMF_ERROR_CAPACITY, [&](auto out, hmf_error* e) {
-        return hmf_foliation_create(h, 0, reals.data(), edges + 1, nullptr, out, e);
+    expect_failure<hmf_foliation>(HMF_ERROR_COUNT, [&](auto out, hmf_error* e) {
+        return hmf_foliation_from_values(h, 0, reals.data(), edges + 1, nullptr, out, e);
     });
-    expect_error(hmf_residuals(f.get(), nullptr, reals.data(), vertices - 1, &error), HMF_ERROR_CAPACITY, error);
+    expect_error(hmf_residuals(f.get(), nullptr, reals.data(), vertices - 1, &error), HMF_ERROR_COUNT, error);
     EXPECT_EQ(hmf_level_counts(h, none, &info, &error), HMF_ERROR_LEVEL);
     expect_failure<hmf_loop_set>(
         HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) { return hmf_loops(h, none, HMF_LOOPS_CUT, nullptr, out, e); });
@@ -625,7 +627,7 @@ TEST(Call, LoopsNeedALevelThatExists) {
     loops.level = hierarchy.levels();
     const hmf_loop_set set = loops.view();
     expect_failure<hmf_foliation>(HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) {
-        return hmf_initialize(hierarchy.get(), &set, nullptr, out, e);
+        return hmf_foliation_from_loops(hierarchy.get(), &set, nullptr, out, e);
     });
     expect_failure<hmf_foliation>(HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) {
         return hmf_solve(hierarchy.get(), &set, nullptr, nullptr, out, e);
@@ -645,7 +647,8 @@ TEST(BadMesh, Counts) {
                                 {v, huge}, {SIZE_MAX, f}, {v, SIZE_MAX}, {SIZE_MAX / 8, SIZE_MAX / 8}};
     for (const auto& c : counts) {
         error = hmf_error{};
-        expect_error(hmf_build(x, c[0], t, c[1], nullptr, nullptr, &h, &error), HMF_ERROR_MESH_COUNTS, error);
+        expect_error(hmf_hierarchy_create(x, c[0], t, c[1], nullptr, nullptr, &h, &error), HMF_ERROR_MESH_COUNTS,
+                     error);
         EXPECT_EQ(h, nullptr);
     }
 }
@@ -801,7 +804,7 @@ TEST(BadLoops, WeightsSpanTooMuch) {
     loops.weights = {1, 1048577};
     const hmf_loop_set set = loops.view();
     expect_failure<hmf_foliation>(HMF_ERROR_LOOP_WEIGHT, [&](auto out, hmf_error* e) {
-        return hmf_initialize(hierarchy.get(), &set, nullptr, out, e);
+        return hmf_foliation_from_loops(hierarchy.get(), &set, nullptr, out, e);
     });
 }
 

@@ -58,10 +58,10 @@ TEST(Hpp, SameValuesAsC) {
     const test::TriMesh m = mesh();
     hmf_hierarchy* raw = nullptr;
     hmf_foliation* solved = nullptr;
-    ASSERT_EQ(HMF_OK, hmf_build(m.positions.data(), m.vertex_count(), m.triangles.data(), m.triangle_count(), nullptr,
-                                nullptr, &raw, nullptr));
+    ASSERT_EQ(HMF_OK, hmf_hierarchy_create(m.positions.data(), m.vertex_count(), m.triangles.data(), m.triangle_count(),
+                                           nullptr, nullptr, &raw, nullptr));
     ASSERT_EQ(HMF_OK, hmf_solve_cut_system(raw, nullptr, nullptr, &solved, nullptr));
-    hmf_destroy(raw);
+    hmf_hierarchy_destroy(raw);
     size_t count = 0;
     const double* values = hmf_foliation_values(solved, &count);
     const std::vector<double> expected(values, values + count);
@@ -219,7 +219,7 @@ TEST(Hpp, LoopsUpAndDown) {
     EXPECT_EQ((std::vector<double>{1, 2}), own.weights);
     EXPECT_EQ(HMF_ELEMENT_LOOP, error_of([&] { hierarchy.solve(own); }).element());
     own.weights.pop_back();
-    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hierarchy.solve(own); }).status());
+    EXPECT_EQ(HMF_ERROR_COUNT, error_of([&] { hierarchy.solve(own); }).status());
     own.weights.push_back(1);
     own.elements.pop_back();
     EXPECT_EQ(HMF_ERROR_LOOP_COUNT, error_of([&] { hierarchy.initialize(own); }).status());
@@ -228,7 +228,7 @@ TEST(Hpp, LoopsUpAndDown) {
 TEST(Hpp, Errors) {
     test::TriMesh m = mesh();
     const std::vector<double> short_positions(m.positions.begin(), m.positions.end() - 1);
-    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::Hierarchy(short_positions, m.triangles); }).status());
+    EXPECT_EQ(HMF_ERROR_COUNT, error_of([&] { hmf::Hierarchy(short_positions, m.triangles); }).status());
     const std::vector<uint32_t> hole(m.triangles.begin(), m.triangles.end() - 3);
     const hmf::Hierarchy open(m.positions, hole);
     EXPECT_EQ(1u, open.boundary_count());
@@ -239,7 +239,7 @@ TEST(Hpp, Errors) {
     loops.add_arc({0}, 1);
     EXPECT_NE(HMF_OK, error_of([&] { open.solve(loops); }).status());
     const std::vector<uint32_t> rest(m.triangles.begin(), m.triangles.end() - 2);
-    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::Hierarchy(m.positions, rest); }).status());
+    EXPECT_EQ(HMF_ERROR_COUNT, error_of([&] { hmf::Hierarchy(m.positions, rest); }).status());
     m.positions[30] = std::nan("");
     const hmf::Error error = error_of([&] { hmf::Hierarchy(m.positions, m.triangles); });
     EXPECT_EQ(HMF_ERROR_MESH_NOT_FINITE, error.status());
@@ -247,7 +247,7 @@ TEST(Hpp, Errors) {
     EXPECT_EQ(10u, error.index());
 
     hmf::Hierarchy hierarchy = make();
-    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hierarchy.foliation(0, std::vector<double>{1, 2, 3}); }).status());
+    EXPECT_EQ(HMF_ERROR_COUNT, error_of([&] { hierarchy.foliation(0, std::vector<double>{1, 2, 3}); }).status());
     EXPECT_EQ(HMF_ERROR_VALUE_NOT_CLOSED, error_of([&] {
                                               std::vector<double> values(hierarchy.level(0).edge_count);
                                               values[0] = 1;
@@ -407,7 +407,7 @@ TEST(Hpp, Leaves) {
     for (const hmf::Line& line : across.lines())
         if (line.kind == HMF_LINE_LEVEL) { EXPECT_EQ(HMF_END_CRITICAL, line.end); }
     options.point_barycentrics.pop_back();
-    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::trace(foliation, options); }).status());
+    EXPECT_EQ(HMF_ERROR_COUNT, error_of([&] { hmf::trace(foliation, options); }).status());
 }
 
 TEST(Hpp, Cylinders) {

@@ -65,7 +65,7 @@ TEST(Limits, EstimateOfMemoryIsABound) {
         const size_t holes = random.below(3) == 0 ? 1 + random.below(4) : 0;
         mesh = with_holes(mesh, holes);
         Meter meter;
-        hmf_build_options options = meter.options();
+        hmf_hierarchy_options options = meter.options();
         options.collapse = static_cast<int32_t>(random.below(4));
         options.ratio = random.below(4) ? 0.05 + 0.9 * random.unit() : 0;
         options.coarsest = random.below(3) ? 1 + random.below(600) : 0;
@@ -79,12 +79,13 @@ TEST(Limits, EstimateOfMemoryIsABound) {
         options.marked_count = marks.size();
         hmf_hierarchy* h = nullptr;
         hmf_error error{};
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                            mesh.triangle_count(), &options, nullptr, &h, &error);
-        hmf_destroy(h);
+        const hmf_status status =
+            hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), &options, nullptr, &h, &error);
+        hmf_hierarchy_destroy(h);
         const size_t copies = holes > 0 ? 2 : 1; // the double is built
         const uint64_t bound =
-            hmf_memory_estimate(copies * mesh.vertex_count(), copies * mesh.triangle_count(), &options);
+            hmf_hierarchy_memory_estimate(copies * mesh.vertex_count(), copies * mesh.triangle_count(), &options);
         ASSERT_LE(meter.peak, bound) << "round " << round << ", " << mesh.vertex_count() << " vertices, " << holes
                                      << " holes, collapse " << options.collapse << ", ratio " << options.ratio
                                      << ", coarsest " << options.coarsest << ", marks " << marks.size();
@@ -163,7 +164,7 @@ std::vector<unsigned char> everything(const TriMesh& mesh, const std::vector<uin
         const auto* const from = reinterpret_cast<const unsigned char*>(array);
         if (array) bytes.insert(bytes.end(), from, from + count * sizeof *array);
     };
-    hmf_build_options build{};
+    hmf_hierarchy_options build{};
     build.struct_size = sizeof build;
     build.coarsest = 60;
     build.allocate = Filled<fill>::take;

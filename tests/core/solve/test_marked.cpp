@@ -235,14 +235,15 @@ struct DoubleCover {
 TEST(Marked, UnusableMarksAreRefused) {
     const TriMesh mesh = sphere(2, 0.1, 1);
     const auto build = [&](const Marks& marks, uint64_t count, const uint32_t* data) {
-        hmf_build_options options = with_marks(marks);
+        hmf_hierarchy_options options = with_marks(marks);
         options.marked_vertices = data;
         options.marked_count = count;
         hmf_hierarchy* hierarchy = nullptr;
         hmf_error error{};
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                            mesh.triangle_count(), &options, nullptr, &hierarchy, &error);
-        hmf_destroy(hierarchy);
+        const hmf_status status =
+            hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), &options, nullptr, &hierarchy, &error);
+        hmf_hierarchy_destroy(hierarchy);
         return std::make_pair(status, std::string(error.message));
     };
     const Marks three = {1, 2, 3}, twice = {1, 2, 3, 4, 2}, beyond = {1, 2, 3, 4, 66}, four = {5, 9, 17, 33};
@@ -261,7 +262,7 @@ TEST(Marked, StayInPlaceOnAllLevels) {
     Random random(3);
     const Marks marks = random_marks(mesh.vertex_count(), 30, random);
     for (const int32_t collapse : {HMF_COLLAPSE_MIDPOINT, HMF_COLLAPSE_ENDPOINT, HMF_COLLAPSE_QSLIM}) {
-        hmf_build_options options = with_marks(marks, 0.5, 10);
+        hmf_hierarchy_options options = with_marks(marks, 0.5, 10);
         options.collapse = collapse;
         const Hierarchy hierarchy(mesh, options);
         ASSERT_TRUE(hierarchy);
@@ -478,7 +479,7 @@ TEST(Marked, LoopsAreChecked) {
     const auto status = [&](const Loops& loops) {
         const hmf_loop_set view = loops.view();
         hmf_foliation* made = nullptr;
-        const hmf_status found = hmf_initialize(hierarchy.get(), &view, nullptr, &made, nullptr);
+        const hmf_status found = hmf_foliation_from_loops(hierarchy.get(), &view, nullptr, &made, nullptr);
         hmf_foliation_destroy(made);
         return found;
     };
@@ -510,7 +511,7 @@ TEST(Marked, LoopsAreChecked) {
     expect_marked_foliation(more, five, solution.foliation);
     // A path of vertices passes a mark on one side.
     Loops path;
-    path.kind = HMF_LOOP_VERTICES;
+    path.kind = HMF_PATH_VERTICES;
     path.add({level.edge_vertices[0], level.edge_vertices[1], 0});
     EXPECT_EQ(status(path), HMF_ERROR_LOOP_CROSSING);
 }
@@ -726,12 +727,12 @@ TEST(Marked, RealSurfaces) {
         for (const size_t count : {4, 12}) {
             SCOPED_TRACE(path + ", " + std::to_string(count) + " marks");
             const Marks marks = random_marks(mesh.vertex_count(), count, random);
-            const hmf_build_options options = with_marks(marks);
+            const hmf_hierarchy_options options = with_marks(marks);
             hmf_hierarchy* probe = nullptr;
-            if (hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                          &options, nullptr, &probe, nullptr))
+            if (hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                     mesh.triangle_count(), &options, nullptr, &probe, nullptr))
                 break; // no closed sphere
-            hmf_destroy(probe);
+            hmf_hierarchy_destroy(probe);
             const Hierarchy hierarchy(mesh, options);
             for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
                 const Loops loops = library_loops(hierarchy, 0, kind);

@@ -31,12 +31,12 @@ std::vector<TriMesh> large_meshes() {
 }
 
 Bits bits_of_build(const TriMesh& mesh, const hmf_control* control) {
-    hmf_build_options options{};
+    hmf_hierarchy_options options{};
     options.struct_size = sizeof options;
     hmf_hierarchy* h = nullptr;
     hmf_error error{};
-    expect_ok(hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                        &options, control, &h, &error),
+    expect_ok(hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                   mesh.triangle_count(), &options, control, &h, &error),
               error);
     Bits bits;
     for (size_t level = 0; level < hmf_level_count(h); ++level) {
@@ -51,7 +51,7 @@ Bits bits_of_build(const TriMesh& mesh, const hmf_control* control) {
         append(bits, positions.data(), positions.size());
         append(bits, ends.data(), ends.size());
     }
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
     return bits;
 }
 
@@ -141,8 +141,8 @@ TEST(Parallel, SameSentenceOfADefect) {
         const auto sentence = [&](const hmf_control* control) {
             hmf_hierarchy* h = nullptr;
             hmf_error error{};
-            EXPECT_NE(hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                mesh.triangle_count(), nullptr, control, &h, &error),
+            EXPECT_NE(hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                           mesh.triangle_count(), nullptr, control, &h, &error),
                       HMF_OK);
             return std::to_string(error.status) + " " + std::to_string(error.index) + " " + error.message;
         };
@@ -157,7 +157,7 @@ TEST(Parallel, SameBitsOfEveryFunction) {
     const std::vector<TriMesh> meshes = large_meshes();
     for (size_t m = 0; m < meshes.size(); ++m) {
         const uint32_t workers = m == 0 ? 3 : 16;
-        hmf_build_options build{};
+        hmf_hierarchy_options build{};
         build.struct_size = sizeof build;
         Story story(meshes[m], build);
         for (const Function& function : story.functions) {

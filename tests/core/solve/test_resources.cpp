@@ -20,14 +20,14 @@ using namespace test;
 
 namespace {
 
-hmf_status build(const TriMesh& mesh, const hmf_build_options& options, const hmf_control* control = nullptr) {
+hmf_status build(const TriMesh& mesh, const hmf_hierarchy_options& options, const hmf_control* control = nullptr) {
     hmf_error error{};
     hmf_hierarchy* hierarchy = reinterpret_cast<hmf_hierarchy*>(&error); // must be overwritten
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, control, &hierarchy, &error);
+    const hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                   mesh.triangle_count(), &options, control, &hierarchy, &error);
     EXPECT_EQ(hierarchy == nullptr, status != HMF_OK);
     EXPECT_EQ(error.status, status);
-    hmf_destroy(hierarchy);
+    hmf_hierarchy_destroy(hierarchy);
     return status;
 }
 
@@ -149,11 +149,11 @@ TEST(Resources, MemoryLimitIsKept) {
     bool done = false;
     for (uint64_t limit = 64; !done; limit += limit / 8 + 1) {
         Meter meter;
-        hmf_build_options options = meter.options();
+        hmf_hierarchy_options options = meter.options();
         options.memory_limit = limit;
         hmf_hierarchy* h = nullptr;
-        hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                      mesh.triangle_count(), &options, nullptr, &h, nullptr);
+        hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                 mesh.triangle_count(), &options, nullptr, &h, nullptr);
         hmf_loop_set* loops = nullptr;
         hmf_foliation* f = nullptr;
         hmf_quad_mesh* quads = nullptr;
@@ -173,15 +173,15 @@ TEST(Resources, MemoryLimitIsKept) {
         hmf_free(quads);
         hmf_free(charts);
         hmf_foliation_destroy(f);
-        hmf_destroy(h);
+        hmf_hierarchy_destroy(h);
         ASSERT_EQ(meter.used, 0u);
         ASSERT_LT(limit, uint64_t{1} << 32) << "no limit is enough";
     }
     EXPECT_GT(refused, 10u);
 
     Meter meter;
-    hmf_build_options options = meter.options();
-    options.memory_limit = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), &options);
+    hmf_hierarchy_options options = meter.options();
+    options.memory_limit = hmf_hierarchy_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), &options);
     EXPECT_EQ(build(mesh, options), HMF_OK) << "the estimate is an upper bound";
 }
 
@@ -217,7 +217,7 @@ TEST_P(OfEachFunction, MemoryLimitIsKept) {
 // Likewise where a mesh is given: the limit is that of the build options.
 TEST(Resources, MemoryLimitOfMeshes) {
     const TriMesh mesh = pretzel(2, 1);
-    const auto call = [&](int which, const hmf_build_options& build) {
+    const auto call = [&](int which, const hmf_hierarchy_options& build) {
         const double* const x = mesh.positions.data();
         const uint32_t* const t = mesh.triangles.data();
         const size_t n = mesh.vertex_count(), m = mesh.triangle_count();
@@ -241,7 +241,7 @@ TEST(Resources, MemoryLimitOfMeshes) {
         const uint64_t enough = free.peak + sizeof(hmf_hierarchy); // counted, wherever it lies
         for (const double share : {0.01, 0.05, 0.2, 0.5, 0.7, 0.9, 0.99, 1.0}) {
             Meter meter;
-            hmf_build_options build = meter.options();
+            hmf_hierarchy_options build = meter.options();
             build.memory_limit = static_cast<uint64_t>(share * static_cast<double>(enough));
             EXPECT_EQ(call(which, build), build.memory_limit < enough ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << share;
             EXPECT_LE(meter.peak, build.memory_limit) << share;
@@ -257,7 +257,7 @@ TEST(Resources, MemoryLimitHoldsToTheByte) {
     ASSERT_EQ(build(mesh, free.options()), HMF_OK);
     for (const uint64_t spare : {0, 1, 100, 1000}) {
         Meter meter;
-        hmf_build_options options = meter.options();
+        hmf_hierarchy_options options = meter.options();
         options.memory_limit = free.peak - spare;
         EXPECT_EQ(build(mesh, options), spare ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << spare;
         EXPECT_LE(meter.peak, options.memory_limit);
@@ -317,7 +317,7 @@ TEST(Resources, MemoryIsFlat) {
 TEST(Resources, ArraysTakeWhatOthersGaveBack) {
     Meter meter;
     {
-        const hmf_build_options options = meter.options();
+        const hmf_hierarchy_options options = meter.options();
         hmf::Memory memory(options.allocate, options.release, options.allocator_user, 0);
         memory.keep_arrays();
         hmf::Memory part(memory);
@@ -376,17 +376,17 @@ TEST(Resources, BytesOfASolve) {
 TEST(Lifetimes, FoliationsOutliveTheirHierarchy) {
     const TriMesh mesh = pretzel(2, 1);
     Meter meter;
-    hmf_build_options options = meter.options();
+    hmf_hierarchy_options options = meter.options();
     hmf_hierarchy* h = nullptr;
-    ASSERT_EQ(hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                        &options, nullptr, &h, nullptr),
+    ASSERT_EQ(hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                   mesh.triangle_count(), &options, nullptr, &h, nullptr),
               HMF_OK);
     hmf_foliation* f = nullptr;
     ASSERT_EQ(hmf_solve_cut_system(h, nullptr, nullptr, &f, nullptr), HMF_OK);
     double before = 0, after = 0;
     ASSERT_EQ(hmf_energy(f, nullptr, &before, nullptr), HMF_OK);
     const uint64_t held = meter.used;
-    hmf_destroy(h);
+    hmf_hierarchy_destroy(h);
     EXPECT_EQ(meter.used, held) << "the foliation holds on to its hierarchy";
     ASSERT_EQ(hmf_energy(f, nullptr, &after, nullptr), HMF_OK);
     EXPECT_EQ(before, after);
@@ -418,7 +418,7 @@ TEST(ProgressOf, TheBuild) {
     const TriMesh mesh = pretzel(2, 3);
     Progress all;
     Meter meter;
-    const hmf_build_options options = meter.options();
+    const hmf_hierarchy_options options = meter.options();
     hmf_control control = all.control();
     ASSERT_EQ(build(mesh, options, &control), HMF_OK);
     EXPECT_TRUE(all.rising);
@@ -569,7 +569,7 @@ TEST(ProgressOf, NothingIsOptimizedAfterTheTimeLimit) {
 
 TEST(SameBits, TwiceAndFromTwoThreads) {
     for (const TriMesh& mesh : story_meshes()) {
-        hmf_build_options options{};
+        hmf_hierarchy_options options{};
         options.struct_size = sizeof options;
         options.coarsest = 80;
         const Story story(mesh, options), other(mesh, options);

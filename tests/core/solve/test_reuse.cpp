@@ -306,7 +306,7 @@ TEST(Reuse, ValuesFromElsewhere) {
     std::vector<double> values = solution.values;
     for (double& x : values) x = std::strtod(std::to_string(x).c_str(), nullptr);
     hmf_foliation* none = nullptr;
-    EXPECT_EQ(hmf_foliation_create(hierarchy.get(), 0, values.data(), values.size(), nullptr, &none, nullptr),
+    EXPECT_EQ(hmf_foliation_from_values(hierarchy.get(), 0, values.data(), values.size(), nullptr, &none, nullptr),
               HMF_ERROR_VALUE_NOT_CLOSED); // rounded
     for (size_t e = 0; e < values.size(); ++e) {
         char text[40];
@@ -329,7 +329,7 @@ TEST(Reuse, OddSums) {
     EXPECT_EQ(hmf_foliation_unit(foliation.get()), 0.5);
     const std::vector<double> full(hierarchy.edges(0), std::ldexp(1, 52) + 1);
     hmf_foliation* none = nullptr;
-    EXPECT_EQ(hmf_foliation_create(hierarchy.get(), 0, full.data(), full.size(), nullptr, &none, nullptr),
+    EXPECT_EQ(hmf_foliation_from_values(hierarchy.get(), 0, full.data(), full.size(), nullptr, &none, nullptr),
               HMF_ERROR_VALUE_NOT_CLOSED);
     EXPECT_EQ(none, nullptr);
 }

@@ -253,7 +253,7 @@ TEST(Initial, VertexLoopsAndTriangleLoopsAgree) {
     const Hierarchy hierarchy(torus(n, m, 2, 1));
     ASSERT_TRUE(hierarchy);
     Loops path;
-    path.kind = HMF_LOOP_VERTICES;
+    path.kind = HMF_PATH_VERTICES;
     std::vector<uint32_t> column;
     for (uint32_t j = 0; j < m; ++j) column.push_back(static_cast<uint32_t>(5 * m) + j);
     path.add(column);

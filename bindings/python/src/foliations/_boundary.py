@@ -423,7 +423,7 @@ class Outcome(NamedTuple):
 
 _CONTROL = ffi.typeof("hmf_control *")
 _FREE = {
-    ffi.typeof("hmf_hierarchy *"): lib.hmf_destroy,
+    ffi.typeof("hmf_hierarchy *"): lib.hmf_hierarchy_destroy,
     ffi.typeof("hmf_foliation *"): lib.hmf_foliation_destroy,
 }
 

@@ -32,7 +32,7 @@ class Status(IntEnum):
     LIMIT_CLASS = 14
     ERROR_NULL = 100
     ERROR_OPTIONS = 101
-    ERROR_CAPACITY = 102
+    ERROR_COUNT = 102
     ERROR_LEVEL = 103
     ERROR_UNSUPPORTED = 104
     ERROR_MEMORY = 200
@@ -207,8 +207,8 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("Build each component of hmf_components on its own", 'Use solve_components, or Hierarchy(mesh, component="largest")'),
     ("Use hmf_loops, or another mesh", "Use other loops, or another mesh"),
     ("; hmf_singularities lists them", "; Foliation.singularities() lists them"),
-    ("Start from hmf_initialize or a result of hmf_solve", "Start from Hierarchy.initialize or a result of a solve"),
-    ("; hmf_memory_estimate gives a sufficient value", "; memory_estimate gives a sufficient value"),
+    ("Start from hmf_foliation_from_loops or a result of hmf_solve", "Start from Hierarchy.initialize or a result of a solve"),
+    ("; hmf_hierarchy_memory_estimate gives a sufficient value", "; memory_estimate gives a sufficient value"),
     ("with hmf_interpolate", "with Foliation.interpolate"),
     ("with hmf_relax", "with Foliation.relax"),
     ("Give one of them, the other NULL", "Give one of them"),
@@ -239,7 +239,7 @@ _CLASSES: dict[int, type[Error]] = {
     Status.ERROR_LEVEL: LevelError,
     Status.ERROR_UNSUPPORTED: UnsupportedError,
     Status.ERROR_NULL: InternalError,
-    Status.ERROR_CAPACITY: InternalError,
+    Status.ERROR_COUNT: InternalError,
 }
 _HUNDREDS: dict[int, type[Error]] = {
     1: OptionsError,

@@ -55,10 +55,10 @@ _DESIGN_SHARE = 0.8
 
 
 def _build_options(collapse: Collapse | None = None, marked_vertices: Indices | None = None, **others: Any) -> Any:
-    """hmf_build_options; the caller keeps the marked vertices alive."""
+    """hmf_hierarchy_options; the caller keeps the marked vertices alive."""
     if marked_vertices is not None and len(marked_vertices):
         others.update(marked_vertices=pointer(marked_vertices, "uint32_t *"), marked_count=len(marked_vertices))
-    return structure("hmf_build_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
+    return structure("hmf_hierarchy_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
 
 
 def _marks(vertices: Sequence[int] | NDArray[Any]) -> Indices:
@@ -266,7 +266,7 @@ class Hierarchy:
 
         def build() -> Any:
             options = _build_options(**self._options, position_stride=_stride(points))
-            return call(lib.hmf_build, *_arrays(points, corners), options, progress=progress)
+            return call(lib.hmf_hierarchy_create, *_arrays(points, corners), options, progress=progress)
 
         try:
             self._pointer = build()
@@ -417,7 +417,7 @@ class Hierarchy:
         """
         chosen = self._loops_of(loops, "cut", weights, None)
         given, alive = loop_structure(chosen, weights)
-        made = call(lib.hmf_initialize, self._pointer, given, progress=progress)
+        made = call(lib.hmf_foliation_from_loops, self._pointer, given, progress=progress)
         kind = loops if isinstance(loops, str) and loops != "even" else "cut" if loops is None else alive
         return Foliation._of(self, made)._belongs_to(kind, None if alive is None else alive.weights)
 
@@ -457,7 +457,7 @@ class Hierarchy:
         count = Level(self, number).edge_count
         given = as_floats(values, count, "values", "edge of the level")
         made = call(
-            lib.hmf_foliation_create, self._pointer, number, pointer(given, "double *"), count, progress=progress
+            lib.hmf_foliation_from_values, self._pointer, number, pointer(given, "double *"), count, progress=progress
         )
         return Foliation._of(self, made)
 
@@ -679,7 +679,7 @@ def memory_estimate(
     """Upper bound of the bytes that building a :class:`Hierarchy` uses at its peak; 0 if the counts are unusable."""
     options = _build_options(ratio=ratio, coarsest=coarsest, collapse=collapse, mollify=mollify)
     vertices, triangles = as_count(vertex_count, "vertex_count"), as_count(triangle_count, "triangle_count")
-    return int(lib.hmf_memory_estimate(vertices, triangles, options))
+    return int(lib.hmf_hierarchy_memory_estimate(vertices, triangles, options))
 
 
 @takes(SolveOptions)

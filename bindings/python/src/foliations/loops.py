@@ -85,7 +85,7 @@ class Loops(Sequence[Indices]):
         arcs: NDArray[np.uint8] | None,
     ) -> Loops:
         self._arcs = None if arcs is None else frozen(arcs)
-        self._element_kind = constant("LOOP", kind, "kind of a loop")
+        self._element_kind = constant("PATH", kind, "kind of a loop")
         self._kind: LoopKind = kind
         self._offsets = frozen(offsets)
         self._elements = frozen(elements)
@@ -102,7 +102,7 @@ class Loops(Sequence[Indices]):
         elements = view(owner, given.elements, int(offsets[-1]))
         weights = None if given.weights == ffi.NULL else view(owner, given.weights, given.count)
         arcs = None if given.arcs == ffi.NULL else view(owner, given.arcs, given.count)
-        return cls.__new__(cls)._set(offsets, elements, names("LOOP")[given.element_kind], given.level, weights, arcs)
+        return cls.__new__(cls)._set(offsets, elements, names("PATH")[given.element_kind], given.level, weights, arcs)
 
     @classmethod
     def through(

@@ -11,7 +11,7 @@ pub const HMF_CANCELLED: i32 = 13;
 pub const HMF_LIMIT_CLASS: i32 = 14;
 pub const HMF_ERROR_NULL: i32 = 100;
 pub const HMF_ERROR_OPTIONS: i32 = 101;
-pub const HMF_ERROR_CAPACITY: i32 = 102;
+pub const HMF_ERROR_COUNT: i32 = 102;
 pub const HMF_ERROR_LEVEL: i32 = 103;
 pub const HMF_ERROR_UNSUPPORTED: i32 = 104;
 pub const HMF_ERROR_MEMORY: i32 = 200;
@@ -59,8 +59,8 @@ pub const HMF_COLLAPSE_DEFAULT: i32 = 0;
 pub const HMF_COLLAPSE_MIDPOINT: i32 = 1;
 pub const HMF_COLLAPSE_ENDPOINT: i32 = 2;
 pub const HMF_COLLAPSE_QSLIM: i32 = 3;
-pub const HMF_LOOP_TRIANGLES: i32 = 1;
-pub const HMF_LOOP_VERTICES: i32 = 2;
+pub const HMF_PATH_TRIANGLES: i32 = 1;
+pub const HMF_PATH_VERTICES: i32 = 2;
 pub const HMF_METHOD_DEFAULT: i32 = 0;
 pub const HMF_METHOD_NEWTON: i32 = 1;
 pub const HMF_METHOD_WHITEHEAD: i32 = 2;
@@ -154,7 +154,7 @@ impl Default for hmf_control {
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
-pub struct hmf_build_options {
+pub struct hmf_hierarchy_options {
     pub struct_size: u32,
     pub collapse: i32,
     pub ratio: f64,
@@ -168,7 +168,7 @@ pub struct hmf_build_options {
     pub marked_vertices: *const u32,
     pub marked_count: u64,
 }
-impl Default for hmf_build_options {
+impl Default for hmf_hierarchy_options {
     fn default() -> Self {
         let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
         unsafe {
@@ -394,7 +394,7 @@ impl Default for hmf_mark_set {
 pub struct hmf_design_options {
     pub struct_size: u32,
     pub no_poles: i32,
-    pub build: *const hmf_build_options,
+    pub build: *const hmf_hierarchy_options,
     pub solve_limit: u64,
 }
 impl Default for hmf_design_options {
@@ -634,21 +634,21 @@ extern "C" {
     pub fn hmf_version() -> u32;
     pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
     pub fn hmf_free(result: *const ::core::ffi::c_void);
-    pub fn hmf_build(
+    pub fn hmf_hierarchy_create(
         positions: *const f64,
         vertex_count: usize,
         triangles: *const u32,
         triangle_count: usize,
-        options: *const hmf_build_options,
+        options: *const hmf_hierarchy_options,
         control: *const hmf_control,
         out: *mut *mut hmf_hierarchy,
         error: *mut hmf_error,
     ) -> hmf_status;
-    pub fn hmf_destroy(hierarchy: *mut hmf_hierarchy);
-    pub fn hmf_memory_estimate(
+    pub fn hmf_hierarchy_destroy(hierarchy: *mut hmf_hierarchy);
+    pub fn hmf_hierarchy_memory_estimate(
         vertex_count: usize,
         triangle_count: usize,
-        options: *const hmf_build_options,
+        options: *const hmf_hierarchy_options,
     ) -> u64;
     pub fn hmf_hierarchy_memory(hierarchy: *const hmf_hierarchy) -> u64;
     pub fn hmf_level_count(hierarchy: *const hmf_hierarchy) -> usize;
@@ -695,14 +695,14 @@ extern "C" {
         capacity: usize,
         error: *mut hmf_error,
     ) -> hmf_status;
-    pub fn hmf_initialize(
+    pub fn hmf_foliation_from_loops(
         hierarchy: *const hmf_hierarchy,
         loops: *const hmf_loop_set,
         control: *const hmf_control,
         out: *mut *mut hmf_foliation,
         error: *mut hmf_error,
     ) -> hmf_status;
-    pub fn hmf_foliation_create(
+    pub fn hmf_foliation_from_values(
         hierarchy: *const hmf_hierarchy,
         level: usize,
         values: *const f64,
@@ -766,7 +766,7 @@ extern "C" {
         vertex_count: usize,
         triangles: *const u32,
         triangle_count: usize,
-        options: *const hmf_build_options,
+        options: *const hmf_hierarchy_options,
         control: *const hmf_control,
         out: *mut *mut hmf_component_set,
         error: *mut hmf_error,
@@ -776,7 +776,7 @@ extern "C" {
         vertex_count: usize,
         triangles: *const u32,
         triangle_count: usize,
-        options: *const hmf_build_options,
+        options: *const hmf_hierarchy_options,
         control: *const hmf_control,
         out: *mut *mut hmf_mark_set,
         error: *mut hmf_error,

@@ -49,7 +49,7 @@ statuses! {
     /// An option is out of range.
     ERROR_OPTIONS = HMF_ERROR_OPTIONS;
     /// An array has the wrong length.
-    ERROR_CAPACITY = HMF_ERROR_CAPACITY;
+    ERROR_COUNT = HMF_ERROR_COUNT;
     /// No such level.
     ERROR_LEVEL = HMF_ERROR_LEVEL;
     /// Not available in this version.
@@ -245,7 +245,7 @@ impl std::error::Error for Error {}
 /// What sentences of the C library call otherwise than this crate.
 const WORDS: &[(&str, &str)] = &[
     (
-        "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio",
+        "hmf_hierarchy_options is unusable. Set struct_size to its size and unused fields to 0; ratio",
         "The builder cannot be used: its ratio",
     ),
     (", position_stride fits into memory, allocate and release come together", ""),
@@ -257,8 +257,8 @@ const WORDS: &[(&str, &str)] = &[
     ("Build each component of hmf_components on its own", "Build each of Builder::components on its own"),
     ("Use hmf_loops, or another mesh", "Use other loops, or another mesh"),
     ("; hmf_singularities lists them", "; Foliation::singularities lists them"),
-    ("Start from hmf_initialize or a result of hmf_solve", "Start from Hierarchy::initialize or a result of a solve"),
-    ("; hmf_memory_estimate gives a sufficient value", "; Builder::memory_estimate gives a sufficient value"),
+    ("Start from hmf_foliation_from_loops or a result of hmf_solve", "Start from Hierarchy::initialize or a result of a solve"),
+    ("; hmf_hierarchy_memory_estimate gives a sufficient value", "; Builder::memory_estimate gives a sufficient value"),
     ("with hmf_interpolate", "with Foliation::interpolate"),
     ("with hmf_relax", "with Solver::relax"),
     ("Give one of them, the other NULL", "Give one of them"),

@@ -37,7 +37,7 @@ impl Hierarchy {
     pub fn initialize(&self, loops: &Loops) -> Result<Foliation> {
         // SAFETY: the set borrows from `loops`.
         let handle = make(|out, control, error| unsafe {
-            sys::hmf_initialize(self.as_ptr(), &loops.as_raw(), control, out, error)
+            sys::hmf_foliation_from_loops(self.as_ptr(), &loops.as_raw(), control, out, error)
         })?;
         Ok(Foliation::new(self, handle))
     }
@@ -52,13 +52,13 @@ impl Hierarchy {
     ///
     /// # Errors
     ///
-    /// [`Status::ERROR_LEVEL`]; [`Status::ERROR_CAPACITY`] if the number of values is not
+    /// [`Status::ERROR_LEVEL`]; [`Status::ERROR_COUNT`] if the number of values is not
     /// the number of edges; class 500 if they are not closed; [`Status::CANCELLED`], class 200.
     pub fn foliation(&self, level: usize, values: impl AsRef<[f64]>) -> Result<Foliation> {
         let values = values.as_ref();
         // SAFETY: the values are given with their number.
         let handle = make(|out, control, error| unsafe {
-            sys::hmf_foliation_create(self.as_ptr(), level, values.as_ptr(), values.len(), control, out, error)
+            sys::hmf_foliation_from_values(self.as_ptr(), level, values.as_ptr(), values.len(), control, out, error)
         })?;
         Ok(Foliation::new(self, handle))
     }

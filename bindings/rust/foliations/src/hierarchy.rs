@@ -32,7 +32,7 @@ codes! {
 #[derive(Debug)]
 #[must_use = "a builder does nothing until `build` is called"]
 pub struct Builder<'a> {
-    options: sys::hmf_build_options,
+    options: sys::hmf_hierarchy_options,
     marked_vertices: Option<&'a [u32]>,
     closed: bool,
     refusal: Refusal,
@@ -41,7 +41,7 @@ pub struct Builder<'a> {
 
 impl Default for Builder<'_> {
     fn default() -> Self {
-        let options = options!(hmf_build_options allocate: Some(memory::allocate), release: Some(memory::release));
+        let options = options!(hmf_hierarchy_options allocate: Some(memory::allocate), release: Some(memory::release));
         Builder { options, marked_vertices: None, closed: false, refusal: Refusal::default(), progress: None }
     }
 }
@@ -161,19 +161,19 @@ impl<'a> Builder<'a> {
         triangles: &[[u32; 3]],
         given: Option<&[u32]>,
     ) -> Result<(Owned<sys::hmf_hierarchy>, Vec<u32>)> {
-        let with = |marks: &[u32], options: sys::hmf_build_options| sys::hmf_build_options {
+        let with = |marks: &[u32], options: sys::hmf_hierarchy_options| sys::hmf_hierarchy_options {
             marked_vertices: marks.as_ptr(),
             marked_count: marks.len() as u64,
             ..options
         };
         let marks = given.unwrap_or(&[]);
-        match self.call_with(&with(marks, self.options), positions, triangles, sys::hmf_build) {
+        match self.call_with(&with(marks, self.options), positions, triangles, sys::hmf_hierarchy_create) {
             Err(error) if error.status() == Status::ERROR_MESH_GENUS && given.is_none() => {
                 let marks = self.suggest_marks(positions, triangles)?;
                 if marks.is_empty() {
                     return Err(error);
                 }
-                let made = self.call_with(&with(&marks, self.options), positions, triangles, sys::hmf_build)?;
+                let made = self.call_with(&with(&marks, self.options), positions, triangles, sys::hmf_hierarchy_create)?;
                 Ok((made, marks))
             }
             made => Ok((made?, marks.to_vec())),
@@ -185,7 +185,7 @@ impl<'a> Builder<'a> {
     ///
     /// # Errors
     ///
-    /// Also [`Status::ERROR_CAPACITY`] if a length is not a multiple of 3.
+    /// Also [`Status::ERROR_COUNT`] if a length is not a multiple of 3.
     pub fn build_flat(&mut self, positions: &[f64], triangles: &[u32]) -> Result<Hierarchy> {
         self.build(triples(positions, "positions")?, triples(triangles, "triangles")?)
     }
@@ -258,17 +258,17 @@ impl<'a> Builder<'a> {
     /// `None` if the counts or the options are unusable.
     pub fn memory_estimate(&self, vertex_count: usize, triangle_count: usize) -> Option<u64> {
         // SAFETY: the options live through the call.
-        let bytes = unsafe { sys::hmf_memory_estimate(vertex_count, triangle_count, &self.raw()) };
+        let bytes = unsafe { sys::hmf_hierarchy_memory_estimate(vertex_count, triangle_count, &self.raw()) };
         (bytes > 0).then_some(bytes)
     }
 
     /// For calls during which `self` is borrowed.
-    fn raw(&self) -> sys::hmf_build_options {
+    fn raw(&self) -> sys::hmf_hierarchy_options {
         let marks = self.marked_vertices.unwrap_or(&[]);
-        sys::hmf_build_options { marked_vertices: marks.as_ptr(), marked_count: marks.len() as u64, ..self.options }
+        sys::hmf_hierarchy_options { marked_vertices: marks.as_ptr(), marked_count: marks.len() as u64, ..self.options }
     }
 
-    /// What `hmf_build`, `hmf_suggest_marks` or `hmf_components` makes of a mesh.
+    /// What `hmf_hierarchy_create`, `hmf_suggest_marks` or `hmf_components` makes of a mesh.
     pub(crate) fn call<T: Made>(
         &mut self,
         positions: &[[f64; 3]],
@@ -281,7 +281,7 @@ impl<'a> Builder<'a> {
 
     fn call_with<T: Made>(
         &mut self,
-        options: &sys::hmf_build_options,
+        options: &sys::hmf_hierarchy_options,
         positions: &[[f64; 3]],
         triangles: &[[u32; 3]],
         make_it: OfMesh<T>,
@@ -321,13 +321,13 @@ pub struct Design {
     pub solves: u64,
 }
 
-/// `hmf_build` and its like.
+/// `hmf_hierarchy_create` and its like.
 pub(crate) type OfMesh<T> = unsafe extern "C" fn(
     *const f64,
     usize,
     *const u32,
     usize,
-    *const sys::hmf_build_options,
+    *const sys::hmf_hierarchy_options,
     *const sys::hmf_control,
     *mut *mut T,
     *mut sys::hmf_error,
@@ -337,7 +337,7 @@ pub(crate) type OfMesh<T> = unsafe extern "C" fn(
 fn triples<'s, T>(flat: &'s [T], what: &str) -> Result<&'s [[T; 3]]> {
     if flat.len() % 3 != 0 {
         let message = format!("{what} has {} numbers. Give three for each element.", flat.len());
-        return Err(Error::new(Status::ERROR_CAPACITY, message));
+        return Err(Error::new(Status::ERROR_COUNT, message));
     }
     // SAFETY: an array has the layout of its elements, and the length fits.
     Ok(unsafe { std::slice::from_raw_parts(flat.as_ptr().cast(), flat.len() / 3) })

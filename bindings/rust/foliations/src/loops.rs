@@ -10,9 +10,9 @@ codes! {
     /// What the elements of loops are.
     LoopElements: i32 {
         /// Triangles: consecutive ones share an edge, the last and the first as well.
-        Triangles = sys::HMF_LOOP_TRIANGLES,
+        Triangles = sys::HMF_PATH_TRIANGLES,
         /// Vertices: consecutive ones share an edge, the last and the first as well.
-        Vertices = sys::HMF_LOOP_VERTICES,
+        Vertices = sys::HMF_PATH_VERTICES,
     }
 }
 
@@ -122,12 +122,12 @@ impl Loops {
     ///
     /// # Errors
     ///
-    /// [`Status::ERROR_CAPACITY`] if there is not one weight for each loop. The
+    /// [`Status::ERROR_COUNT`] if there is not one weight for each loop. The
     /// weights themselves are checked when the loops are used.
     pub fn with_weights(mut self, weights: &[f64]) -> Result<Loops> {
         if weights.len() != self.len() {
             let message = format!("There are {} weights for {} loops. Give one for each.", weights.len(), self.len());
-            return Err(Error::new(Status::ERROR_CAPACITY, message));
+            return Err(Error::new(Status::ERROR_COUNT, message));
         }
         self.weights.copy_from_slice(weights);
         Ok(self)

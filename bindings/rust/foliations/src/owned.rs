@@ -31,7 +31,7 @@ impl Made for sys::hmf_chart_set {}
 impl Made for sys::hmf_hierarchy {
     unsafe fn release(this: *mut Self) {
         // SAFETY: as the caller promises.
-        unsafe { sys::hmf_destroy(this) }
+        unsafe { sys::hmf_hierarchy_destroy(this) }
     }
 }
 

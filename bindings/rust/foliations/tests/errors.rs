@@ -21,17 +21,17 @@ fn expect<T>(result: foliations::Result<T>, status: Status, element: Option<Elem
 fn wrong_lengths() {
     let (positions, triangles) = plate(1, 1, 2, 1);
     let (flat, corners) = (positions.concat(), triangles.concat());
-    let error = expect(Hierarchy::builder().build_flat(&flat[1..], &corners), Status::ERROR_CAPACITY, None);
+    let error = expect(Hierarchy::builder().build_flat(&flat[1..], &corners), Status::ERROR_COUNT, None);
     assert!(error.message().contains("positions"));
-    let error = expect(Hierarchy::builder().build_flat(&flat, &corners[..7]), Status::ERROR_CAPACITY, None);
+    let error = expect(Hierarchy::builder().build_flat(&flat, &corners[..7]), Status::ERROR_COUNT, None);
     assert!(error.message().contains("triangles has 7"));
 
     let hierarchy = Hierarchy::build(&positions, &triangles).unwrap();
     let edges = hierarchy.level(0).unwrap().edge_count;
-    let error = expect(hierarchy.foliation(0, vec![0.0; edges - 1]), Status::ERROR_CAPACITY, None);
+    let error = expect(hierarchy.foliation(0, vec![0.0; edges - 1]), Status::ERROR_COUNT, None);
     assert!(error.message().contains(&edges.to_string()));
     let loops = hierarchy.loops(0, LoopsKind::Cut).unwrap();
-    expect(loops.with_weights(&[1.0, 2.0]), Status::ERROR_CAPACITY, None);
+    expect(loops.with_weights(&[1.0, 2.0]), Status::ERROR_COUNT, None);
 }
 
 #[test]
