@@ -64,7 +64,7 @@ void run_once(const readers::TriangleMesh& mesh, Run& run) {
         run.solves = report.levels[0].linear_solves;
         run.sweeps = report.levels[0].iterations;
         run.energy = report.energy;
-        run.boundaries = hmf_boundary_count(hierarchy);
+        run.boundaries = hmf_hierarchy_describe(hierarchy)->boundary_count;
     }
     hmf_foliation_destroy(foliation);
     hmf_hierarchy_destroy(hierarchy);
@@ -114,20 +114,19 @@ readers::TriangleMesh with_holes(const readers::TriangleMesh& mesh, size_t holes
 readers::TriangleMesh coarser_double(const readers::TriangleMesh& mesh) {
     readers::TriangleMesh out;
     hmf_hierarchy *hierarchy = nullptr, *usable = nullptr;
-    hmf_level_info info{};
+    hmf_level_mesh* level = nullptr;
     if (hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
                              nullptr, nullptr, &hierarchy, nullptr)
             == HMF_OK
-        && hmf_level_counts(hierarchy, 1, &info, nullptr) == HMF_OK) {
-        out.positions.resize(3 * info.vertex_count);
-        out.triangles.resize(3 * info.triangle_count);
-        hmf_level_positions(hierarchy, 1, out.positions.data(), out.positions.size(), nullptr);
-        hmf_level_triangle_vertices(hierarchy, 1, out.triangles.data(), out.triangles.size(), nullptr);
+        && hmf_level(hierarchy, 1, nullptr, &level, nullptr) == HMF_OK) {
+        out.positions.assign(level->positions, level->positions + 3 * level->vertex_count);
+        out.triangles.assign(level->triangle_vertices, level->triangle_vertices + 3 * level->triangle_count);
         if (hmf_hierarchy_create(out.positions.data(), out.vertex_count(), out.triangles.data(), out.triangle_count(),
                                  nullptr, nullptr, &usable, nullptr)
             != HMF_OK)
             out = readers::TriangleMesh();
     }
+    hmf_free(level);
     hmf_hierarchy_destroy(usable);
     hmf_hierarchy_destroy(hierarchy);
     return out;

@@ -94,9 +94,7 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
         return hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                     mesh.triangle_count(), nullptr, c, &h, e);
     });
-    hmf_level_info info{};
-    hmf_level_counts(h, 0, &info, nullptr);
-    edges = static_cast<double>(info.edge_count);
+    edges = static_cast<double>(hmf_hierarchy_describe(h)->levels[0].edge_count);
     const struct {
         const char* name;
         int32_t kind;
@@ -119,7 +117,7 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
     });
     hmf_foliation_destroy(g);
     hmf_foliation* coarse = nullptr;
-    const size_t level = hmf_level_count(h) - 1;
+    const size_t level = hmf_hierarchy_describe(h)->level_count - 1;
     table.measure("interpolate to the coarsest",
                   [&](const hmf_control* c, hmf_error* e) { return hmf_interpolate(f, level, c, &coarse, e); });
     table.measure("interpolate to level 0",
@@ -127,11 +125,10 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
     hmf_foliation_destroy(coarse);
     hmf_foliation_destroy(g);
     double energy = 0;
-    std::vector<double> residuals(mesh.vertex_count());
+    hmf_residual_set* residuals = nullptr;
     table.measure("energy", [&](const hmf_control* c, hmf_error* e) { return hmf_energy(f, c, &energy, e); });
-    table.measure("residuals", [&](const hmf_control* c, hmf_error* e) {
-        return hmf_residuals(f, c, residuals.data(), residuals.size(), e);
-    });
+    table.measure("residuals", [&](const hmf_control* c, hmf_error* e) { return hmf_residuals(f, c, &residuals, e); });
+    hmf_free(residuals);
     hmf_singularity_set* singularities = nullptr;
     table.measure("singularities",
                   [&](const hmf_control* c, hmf_error* e) { return hmf_singularities(f, c, &singularities, e); });

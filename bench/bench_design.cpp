@@ -38,7 +38,10 @@ Run solve(const readers::TriangleMesh& mesh, const uint32_t* marks, uint64_t cou
         run.status = hmf_solve(hierarchy, loops, nullptr, nullptr, &foliation, &error);
         run.seconds = processor_seconds() - begin;
     }
-    if (foliation) hmf_conformal_scale(foliation, nullptr, nullptr, 0, &run.unevenness, nullptr);
+    hmf_scale* scale = nullptr;
+    if (foliation && hmf_conformal_scale(foliation, nullptr, &scale, nullptr) == HMF_OK)
+        run.unevenness = scale->unevenness;
+    hmf_free(scale);
     if (run.status != HMF_OK) std::fprintf(stderr, "status %d: %s\n", static_cast<int>(run.status), error.message);
     hmf_foliation_destroy(foliation);
     hmf_hierarchy_destroy(hierarchy);

@@ -328,9 +328,8 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
         out.trouble = error.message;
         return;
     }
-    const size_t coarsest = hmf_level_count(h) - 1;
-    hmf_level_info fine;
-    hmf_level_counts(h, 0, &fine, nullptr);
+    const size_t coarsest = hmf_hierarchy_describe(h)->level_count - 1;
+    const hmf_level_info& fine = hmf_hierarchy_describe(h)->levels[0];
     const size_t build_peak = counter.peak;
     const double t2 = now();
     hmf_loop_set* loops = nullptr;
@@ -351,7 +350,7 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
     out.zeros = report.zeros;
     const double edges = static_cast<double>(fine.edge_count), build = t1 - t0;
     const double job = build + (t3 - t2) + first.seconds;
-    const double held = static_cast<double>(hmf_hierarchy_memory(h));
+    const double held = static_cast<double>(hmf_hierarchy_describe(h)->memory_bytes);
     out.build.add(build);
     out.edges_per_second.add(edges / build * 1e-6);
     out.bytes_per_edge.add(held / edges);
@@ -401,8 +400,7 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
     size_t level = 0;
     double distance = 1e300, size = 0;
     for (size_t l = 0; l <= coarsest; ++l) {
-        hmf_level_info info;
-        hmf_level_counts(h, l, &info, nullptr);
+        const hmf_level_info& info = hmf_hierarchy_describe(h)->levels[l];
         const double d = std::abs(std::log(static_cast<double>(info.vertex_count) / options.preview));
         if (d < distance) {
             distance = d;
@@ -416,10 +414,11 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
 
 #if HMF_HAVE_CHOLMOD
     if (options.cholesky) {
-        std::vector<uint32_t> ends(2 * static_cast<size_t>(fine.edge_count));
-        std::vector<double> weight(static_cast<size_t>(fine.edge_count));
-        if (hmf_level_edge_vertices(h, 0, ends.data(), ends.size(), nullptr) == HMF_OK
-            && hmf_level_weights(h, 0, weight.data(), weight.size(), nullptr) == HMF_OK) {
+        hmf_level_mesh* level = nullptr;
+        hmf_level(h, 0, nullptr, &level, nullptr);
+        if (const Owned<hmf_level_mesh> owner(level); level) {
+            const std::vector<uint32_t> ends(level->edge_vertices, level->edge_vertices + 2 * level->edge_count);
+            const std::vector<double> weight(level->weights, level->weights + level->edge_count);
             const double seconds = run_cholesky(ends, weight, soup.vertices());
             out.cholesky.add(seconds);
             out.job_against_cholesky.add(seconds > 0 ? job / seconds : -1);

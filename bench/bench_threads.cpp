@@ -136,7 +136,7 @@ void run(const readers::TriangleMesh& mesh, Table& table) {
     table.measure(
         "loops",
         [&](const hmf_control* c, hmf_error* e) {
-            return hmf_loops(h, hmf_level_count(h) - 1, HMF_LOOPS_CUT, c, &loops, e);
+            return hmf_loops(h, hmf_hierarchy_describe(h)->level_count - 1, HMF_LOOPS_CUT, c, &loops, e);
         },
         [&] { hmf_free(loops); });
     table.measure(

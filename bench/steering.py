@@ -90,7 +90,7 @@ int main(int count, char** arguments) {
         }
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
             hmf_loop_set* loops = nullptr;
-            if (hmf_loops(h, hmf_level_count(h) - 1, kind, nullptr, &loops, &e)) {
+            if (hmf_loops(h, hmf_hierarchy_describe(h)->level_count - 1, kind, nullptr, &loops, &e)) {
                 std::fprintf(stderr, "%s: %s\n", arguments[a], e.message);
                 return 1;
             }

@@ -111,7 +111,8 @@ private:
             return false;
         }
         FUZZ_ASSERT(status == HMF_OK);
-        FUZZ_ASSERT(hmf_genus(raw) == sheet_.genus && hmf_boundary_count(raw) == sheet_.boundaries);
+        FUZZ_ASSERT(hmf_hierarchy_describe(raw)->genus == sheet_.genus
+                    && hmf_hierarchy_describe(raw)->boundary_count == sheet_.boundaries);
         return true;
     }
 
@@ -147,12 +148,12 @@ private:
 
     void expect_closed(const hmf_foliation* f) const {
         const size_t level = hmf_foliation_level(f);
-        hmf_level_info info{};
-        FUZZ_ASSERT(hmf_level_counts(hierarchy_.get(), level, &info, nullptr) == HMF_OK);
+        hmf_level_mesh* raw = nullptr;
+        FUZZ_ASSERT(hmf_level(hierarchy_.get(), level, nullptr, &raw, nullptr) == HMF_OK);
+        const Owned<hmf_level_mesh> mesh(raw);
         const double* const values = hmf_foliation_values(f, nullptr);
-        std::vector<uint32_t> side(3 * info.triangle_count);
-        FUZZ_ASSERT(hmf_level_triangle_edges(hierarchy_.get(), level, side.data(), side.size(), nullptr) == HMF_OK);
-        for (size_t i = 0; i < side.size(); ++i) {
+        const uint32_t* const side = mesh->triangle_edges;
+        for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
             const size_t t = i - i % 3;
             FUZZ_ASSERT(values[side[i]] >= 0
                         && values[side[i]] <= values[side[t + (i + 1) % 3]] + values[side[t + (i + 2) % 3]]);
@@ -168,7 +169,7 @@ private:
 
     // Down to the coarsest level one by one, and up again.
     void through_levels(const hmf_foliation* from) const {
-        const size_t levels = hmf_level_count(hierarchy_.get());
+        const size_t levels = hmf_hierarchy_describe(hierarchy_.get())->level_count;
         Owned<hmf_foliation> held;
         for (size_t step = 1; step < 2 * levels - 1; ++step) {
             const size_t level = step < levels ? step : 2 * levels - 2 - step;

@@ -92,13 +92,13 @@ private:
     }
 
     void expect_scale() {
-        std::vector<double> scale(triangles());
-        double unevenness = -1;
-        FUZZ_ASSERT(hmf_conformal_scale(foliation_.get(), nullptr, scale.data(), scale.size(), &unevenness, nullptr)
-                    == HMF_OK);
-        FUZZ_ASSERT(std::isfinite(unevenness) && unevenness >= 0);
-        const double largest = *std::max_element(scale.begin(), scale.end());
-        for (const double s : scale) FUZZ_ASSERT(std::isfinite(s) && s >= largest - 16.2);
+        hmf_scale* raw = nullptr;
+        FUZZ_ASSERT(hmf_conformal_scale(foliation_.get(), nullptr, &raw, nullptr) == HMF_OK);
+        const Owned<hmf_scale> made(raw);
+        FUZZ_ASSERT(std::isfinite(made->unevenness) && made->unevenness >= 0 && made->triangle_count == triangles());
+        const double* const end = made->log_scale + made->triangle_count;
+        const double largest = *std::max_element(made->log_scale, end);
+        for (const double* s = made->log_scale; s != end; ++s) FUZZ_ASSERT(std::isfinite(*s) && *s >= largest - 16.2);
     }
 
     void expect_quads() {
@@ -119,7 +119,7 @@ private:
         for (size_t i = 0; i < 4 * quads->quad_count; ++i)
             sides.push_back({quads->quads[i], quads->quads[i - i % 4 + (i + 1) % 4]});
         std::sort(sides.begin(), sides.end());
-        const bool closed = hmf_boundary_count(hierarchy_.get()) == 0;
+        const bool closed = hmf_hierarchy_describe(hierarchy_.get())->boundary_count == 0;
         for (size_t i = 0; i < sides.size(); ++i) {
             FUZZ_ASSERT(sides[i].first < quads->vertex_count && (i == 0 || sides[i] != sides[i - 1]));
             const auto other = std::make_pair(sides[i].second, sides[i].first);

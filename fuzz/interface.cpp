@@ -132,7 +132,7 @@ private:
         status = hmf_hierarchy_create(surface_.positions.data(), vertices(), surface_.triangles.data(), triangles(),
                                       &build_, nullptr, &h, &error);
         if (h && build_.struct_size == sizeof build_)
-            FUZZ_ASSERT(hmf_hierarchy_memory(h) == meter_.used
+            FUZZ_ASSERT(hmf_hierarchy_describe(h)->memory_bytes == meter_.used
                         && hmf_hierarchy_memory_estimate(vertices(), triangles(), &build_) >= meter_.peak);
         expect_status(status, error, {1, 2, 3});
         FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
@@ -144,7 +144,8 @@ private:
     // Destroys the hierarchy.
     hmf_status use(hmf_hierarchy* h) {
         const uint64_t held = meter_.held = meter_.used;
-        FUZZ_ASSERT((hmf_genus(h) >= 1 || marks_now >= 4) && hmf_level_count(h) >= 1);
+        FUZZ_ASSERT((hmf_hierarchy_describe(h)->genus >= 1 || marks_now >= 4)
+                    && hmf_hierarchy_describe(h)->level_count >= 1);
         LoopArrays loops;
         any_loops(bytes_, h, loops);
         initialize(h, loops);

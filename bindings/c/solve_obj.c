@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
     hmf_status status;
     size_t edge_count, e;
     const double* values;
-    uint32_t* ends;
+    hmf_level_mesh* mesh = NULL;
     FILE* csv;
 
     if (argc != 3) return fprintf(stderr, "usage: %s MESH.obj VALUES.csv\n", argv[0]), 2;
@@ -78,16 +78,15 @@ int main(int argc, char** argv) {
         report = hmf_foliation_report(foliation);
         values = hmf_foliation_values(foliation, &edge_count);
         printf("genus %lu, energy %.9g, largest residual %.1e, zeros %lu, poles %lu, %.2f s\n",
-               (unsigned long)hmf_genus(hierarchy), report->energy, report->residual_max, (unsigned long)report->zeros,
-               (unsigned long)report->poles, report->solve_seconds);
-        ends = (uint32_t*)malloc(2 * edge_count * sizeof *ends);
-        if (!ends) return fprintf(stderr, "out of memory\n"), 5;
-        hmf_level_edge_vertices(hierarchy, 0, ends, 2 * edge_count, NULL);
+               (unsigned long)hmf_hierarchy_describe(hierarchy)->genus, report->energy, report->residual_max,
+               (unsigned long)report->zeros, (unsigned long)report->poles, report->solve_seconds);
+        if (hmf_level(hierarchy, 0, NULL, &mesh, &error)) return fprintf(stderr, "%s\n", error.message), 5;
         csv = fopen(argv[2], "w");
         for (e = 0; csv && e < edge_count; ++e)
-            fprintf(csv, "%lu,%lu,%.17g\n", (unsigned long)ends[2 * e], (unsigned long)ends[2 * e + 1], values[e]);
+            fprintf(csv, "%lu,%lu,%.17g\n", (unsigned long)mesh->edge_vertices[2 * e],
+                    (unsigned long)mesh->edge_vertices[2 * e + 1], values[e]);
         if (!csv || fclose(csv)) return perror(argv[2]), 5;
-        free(ends);
+        hmf_free(mesh);
     }
     hmf_foliation_destroy(foliation);
     hmf_hierarchy_destroy(hierarchy);

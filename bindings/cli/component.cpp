@@ -103,7 +103,7 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
                                               : "; --marks auto marks vertices of a sphere";
         return refuse(status, reason + advice);
     }
-    check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
+    finest_ = hmf_hierarchy_describe(hierarchy_.get())->levels[0];
 }
 
 std::string Component::name_of(int32_t element, uint64_t index, bool with_line) const {
@@ -129,23 +129,28 @@ hmf_status Component::make_design(bool no_poles, hmf_hierarchy_options options, 
     return status;
 }
 
+Owned<hmf_scale> Component::scale(const hmf_control* control) const {
+    return make<hmf_scale>(subject_, [&](hmf_scale** out, hmf_error* error) {
+        return hmf_conformal_scale(foliation_.get(), control, out, error);
+    });
+}
+
 std::vector<double> Component::log_scale(const hmf_control* control) const {
-    std::vector<double> scale(finest_.triangle_count);
-    hmf_error error{};
-    check(hmf_conformal_scale(foliation_.get(), control, scale.data(), scale.size(), nullptr, &error), error, subject_);
-    return scale;
+    const Owned<hmf_scale> made = scale(control);
+    return {made->log_scale, made->log_scale + made->triangle_count};
 }
 
-double Component::unevenness() const {
-    double unevenness = 0;
-    hmf_error error{};
-    check(hmf_conformal_scale(foliation_.get(), nullptr, nullptr, 0, &unevenness, &error), error, subject_);
-    return unevenness;
+double Component::unevenness() const { return scale(nullptr)->unevenness; }
+
+Owned<hmf_level_mesh> Component::finest_mesh() const {
+    return make<hmf_level_mesh>(subject_, [&](hmf_level_mesh** out, hmf_error* error) {
+        return hmf_level(hierarchy_.get(), 0, nullptr, out, error);
+    });
 }
 
-size_t Component::genus() const { return hmf_genus(hierarchy_.get()); }
+size_t Component::genus() const { return hmf_hierarchy_describe(hierarchy_.get())->genus; }
 
-size_t Component::boundaries() const { return hmf_boundary_count(hierarchy_.get()); }
+size_t Component::boundaries() const { return hmf_hierarchy_describe(hierarchy_.get())->boundary_count; }
 
 void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) {
     // Loops of the caller are drawn on the input mesh, and the single-level method knows no other; the library's
@@ -157,7 +162,8 @@ void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) 
         return;
     }
     try {
-        made_ = library_loops(fine || boundaries() > 0 ? 0 : hmf_level_count(hierarchy_.get()) - 1, control);
+        made_ = library_loops(fine || boundaries() > 0 ? 0 : hmf_hierarchy_describe(hierarchy_.get())->level_count - 1,
+                              control);
         loops_ = *made_;
     } catch (const Failure& failure) {
         if (alone_ || failure.exit_status != EXIT_BAD_INPUT) throw;
@@ -220,17 +226,13 @@ void Component::solve(const SolveRequest& request, double time_limit, std::vecto
 
 Foliation Component::describe() {
     Foliation f;
-    hmf_error error{};
     size_t count = 0;
     const double* const values = hmf_foliation_values(foliation_.get(), &count);
     f.values.assign(values, values + count);
-    f.triangles.resize(3 * finest_.triangle_count);
-    f.triangle_edges.resize(3 * finest_.triangle_count);
-    f.edge_vertices.resize(2 * count);
-    const hmf_hierarchy* const h = hierarchy_.get();
-    check(hmf_level_triangle_vertices(h, 0, f.triangles.data(), f.triangles.size(), &error), error, subject_);
-    check(hmf_level_triangle_edges(h, 0, f.triangle_edges.data(), f.triangle_edges.size(), &error), error, subject_);
-    check(hmf_level_edge_vertices(h, 0, f.edge_vertices.data(), f.edge_vertices.size(), &error), error, subject_);
+    const Owned<hmf_level_mesh> mesh = finest_mesh();
+    f.triangles.assign(mesh->triangle_vertices, mesh->triangle_vertices + 3 * mesh->triangle_count);
+    f.triangle_edges.assign(mesh->triangle_edges, mesh->triangle_edges + 3 * mesh->triangle_count);
+    f.edge_vertices.assign(mesh->edge_vertices, mesh->edge_vertices + 2 * mesh->edge_count);
     const auto singular = make<hmf_singularity_set>(subject_, [&](hmf_singularity_set** out, hmf_error* e) {
         return hmf_singularities(foliation_.get(), nullptr, out, e);
     });
@@ -274,11 +276,10 @@ Owned<hmf_chart_set> Component::make_atlas(const hmf_control* control) const {
 }
 
 std::vector<double> Component::checkerboard_uv(double period) const {
-    std::vector<uint32_t> triangles(3 * finest_.triangle_count), edges(triangles.size());
-    hmf_error error{};
-    check(hmf_level_triangle_vertices(hierarchy_.get(), 0, triangles.data(), triangles.size(), &error), error,
-          subject_);
-    check(hmf_level_triangle_edges(hierarchy_.get(), 0, edges.data(), edges.size(), &error), error, subject_);
+    const Owned<hmf_level_mesh> mesh = finest_mesh();
+    const size_t sides = 3 * mesh->triangle_count;
+    const std::vector<uint32_t> triangles(mesh->triangle_vertices, mesh->triangle_vertices + sides);
+    const std::vector<uint32_t> edges(mesh->triangle_edges, mesh->triangle_edges + sides);
     std::vector<double> closed = closed_pattern(triangles, edges, *parameterization_, period);
     if (closed.empty())
         closed.assign(parameterization_->corner_uv, parameterization_->corner_uv + 2 * triangles.size());

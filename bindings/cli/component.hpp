@@ -114,6 +114,8 @@ public:
     readers::Json json(const std::vector<hmf_singularity>& singular) const;
 
 private:
+    Owned<hmf_scale> scale(const hmf_control* control) const;
+    Owned<hmf_level_mesh> finest_mesh() const;
     hmf_status try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
                          hmf_error& error);
     hmf_status make_design(bool no_poles, hmf_hierarchy_options options, const hmf_control* control, hmf_error& error);

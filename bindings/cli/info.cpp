@@ -48,16 +48,14 @@ Finding look_at(const TriangleMesh& mesh, double mollify, const std::string& mes
         if (found.status < 300 || found.status >= 400) fail_with(found.status, found.error, mesh_name);
         return found;
     }
-    hmf_error error{};
-    hmf_level_info counts{};
-    check(hmf_level_counts(hierarchy.get(), 0, &counts, &error), error, mesh_name);
-    std::vector<double> weights(counts.edge_count);
-    check(hmf_level_weights(hierarchy.get(), 0, weights.data(), weights.size(), &error), error, mesh_name);
-    found.edges = counts.edge_count;
-    found.genus = hmf_genus(hierarchy.get());
-    found.boundaries = hmf_boundary_count(hierarchy.get());
-    found.negative =
-        static_cast<uint64_t>(std::count_if(weights.begin(), weights.end(), [](double w) { return w < 0; }));
+    const auto level = make<hmf_level_mesh>(mesh_name, [&](hmf_level_mesh** out, hmf_error* error) {
+        return hmf_level(hierarchy.get(), 0, nullptr, out, error);
+    });
+    found.edges = level->edge_count;
+    found.genus = hmf_hierarchy_describe(hierarchy.get())->genus;
+    found.boundaries = hmf_hierarchy_describe(hierarchy.get())->boundary_count;
+    found.negative = static_cast<uint64_t>(
+        std::count_if(level->weights, level->weights + level->edge_count, [](double w) { return w < 0; }));
     return found;
 }
 

@@ -71,7 +71,7 @@ static int solve_plate(const struct plate* p) {
     if (make_plate(p, &m) && make_loops(p, &m, &loops))
         s = hmf_hierarchy_create(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &h, &e);
     if (!s) s = hmf_solve(h, &loops, NULL, NULL, &made[0], &e);
-    if (!s) s = hmf_interpolate(made[0], hmf_level_count(h) - 1, NULL, &made[1], &e);
+    if (!s) s = hmf_interpolate(made[0], hmf_hierarchy_describe(h)->level_count - 1, NULL, &made[1], &e);
     if (!s) s = hmf_interpolate(made[1], 0, NULL, &made[2], &e);
     if (s) fprintf(stderr, "%s: %s: %s\n", p->name, hmf_status_string(s), e.message);
     for (k = 0; k < 3; ++k) {

@@ -8,8 +8,7 @@ namespace fuzz {
 
 // Leaves through points, of both kinds.
 inline void leaves_through_points(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
-    hmf_level_info info{};
-    FUZZ_ASSERT(hmf_level_counts(h, hmf_foliation_level(f), &info, nullptr) == HMF_OK);
+    const hmf_level_info& info = hmf_hierarchy_describe(h)->levels[hmf_foliation_level(f)];
     std::vector<uint32_t> triangles;
     std::vector<double> barycentrics;
     for (uint32_t i = 1 + bytes.below(4); i > 0; --i) {
@@ -29,7 +28,7 @@ inline void leaves_through_points(Bytes& bytes, const hmf_hierarchy* h, const hm
         result_of<hmf_lines>({HMF_ERROR_OPTIONS, HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
                              [&](auto out) { return hmf_trace(f, &options, nullptr, out, nullptr); });
     if (!lines) return;
-    const bool cut = hmf_boundary_count(h) > 0; // a leaf can give several lines
+    const bool cut = hmf_hierarchy_describe(h)->boundary_count > 0; // a leaf can give several lines
     FUZZ_ASSERT(cut || lines->line_count == triangles.size());
     for (size_t i = 0; i < lines->line_count; ++i) {
         const hmf_line& line = lines->lines[i];

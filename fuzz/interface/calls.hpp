@@ -7,12 +7,11 @@ namespace fuzz {
 
 // Numbers as values: refused with a reason, or a foliation, perhaps with poles.
 inline void any_values(Bytes& bytes, const hmf_hierarchy* h, bool memory_is_short) {
-    const size_t level = bytes.below(static_cast<uint32_t>(hmf_level_count(h)));
-    hmf_level_info info{};
-    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
-    std::vector<uint32_t> ends(2 * info.edge_count);
-    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
-    std::vector<double> values(info.edge_count, 0);
+    const size_t level = bytes.below(static_cast<uint32_t>(hmf_hierarchy_describe(h)->level_count));
+    const auto mesh = level_of(h, level, memory_is_short);
+    if (!mesh) return;
+    const uint32_t* const ends = mesh->edge_vertices;
+    std::vector<double> values(mesh->edge_count, 0);
     // Differences of heights of the vertices are closed.
     const uint32_t period = 1 + bytes.below(8);
     for (size_t e = 0; e < values.size(); ++e)
@@ -63,7 +62,7 @@ inline void any_calls(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation*
             break;
         }
         case 1: {
-            const size_t level = bytes.below(static_cast<uint32_t>(hmf_level_count(h)));
+            const size_t level = bytes.below(static_cast<uint32_t>(hmf_hierarchy_describe(h)->level_count));
             auto moved = result_of<hmf_foliation>(
                 {}, memory_is_short, [&](auto out) { return hmf_interpolate(f, level, nullptr, out, nullptr); });
             if (!moved) break;
@@ -75,7 +74,10 @@ inline void any_calls(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation*
             break;
         }
         case 2: expect_measures(h, f, memory_is_short); break;
-        case 3: expect_level(h, bytes.below(static_cast<uint32_t>(hmf_level_count(h)) + 1)); break;
+        case 3:
+            expect_level(h, bytes.below(static_cast<uint32_t>(hmf_hierarchy_describe(h)->level_count) + 1),
+                         memory_is_short);
+            break;
         case 4: {
             hmf_solve_options options = any_solve_options(bytes);
             options.start = f;

@@ -58,12 +58,12 @@ inline bool charts_now = false;
 
 // Of all singularities of a foliation; marked vertices take their share.
 inline int64_t index_sum(const hmf_hierarchy* h) {
-    return 4 - 4 * static_cast<int64_t>(hmf_genus(h)) - static_cast<int64_t>(marks_now);
+    return 4 - 4 * static_cast<int64_t>(hmf_hierarchy_describe(h)->genus) - static_cast<int64_t>(marks_now);
 }
 
 // With boundary the list has what touches the caller's half of the double, and the sum may be another.
 inline bool has_index_sum(const hmf_hierarchy* h, int64_t sum) {
-    return hmf_boundary_count(h) > 0 || sum == index_sum(h);
+    return hmf_hierarchy_describe(h)->boundary_count > 0 || sum == index_sum(h);
 }
 
 // A status that the call may return; a failure tells its story.
@@ -89,6 +89,12 @@ inline Owned<T> result_of(std::initializer_list<hmf_status> others, bool memory_
     FUZZ_ASSERT(status == HMF_OK || std::find(others.begin(), others.end(), status) != others.end()
                 || (memory_is_short && status / 100 == 2));
     return Owned<T>(out);
+}
+
+// NULL where memory is short.
+inline Owned<hmf_level_mesh> level_of(const hmf_hierarchy* h, size_t level, bool memory_is_short) {
+    return result_of<hmf_level_mesh>({}, memory_is_short,
+                                     [&](auto out) { return hmf_level(h, level, nullptr, out, nullptr); });
 }
 
 } // namespace fuzz

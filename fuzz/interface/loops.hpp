@@ -27,16 +27,17 @@ struct LoopArrays {
 inline void walks(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops, uint64_t count) {
     const size_t level = static_cast<size_t>(loops.set.level);
     const bool vertices = loops.set.element_kind == HMF_PATH_VERTICES;
-    hmf_level_info info{};
-    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
-    std::vector<uint32_t> ends(2 * info.edge_count), sides(3 * info.triangle_count);
-    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
-    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, sides.data(), sides.size(), nullptr) == HMF_OK);
+    const auto mesh = level_of(h, level, true);
+    if (!mesh) return;
+    std::vector<uint32_t> ends(mesh->edge_vertices, mesh->edge_vertices + 2 * mesh->edge_count);
     if (!vertices) {
         std::fill(ends.begin(), ends.end(), HMF_NONE);
-        for (uint32_t c = 0; c < sides.size(); ++c) ends[2 * sides[c] + (ends[2 * sides[c]] != HMF_NONE)] = c / 3;
+        for (uint32_t c = 0; c < 3 * mesh->triangle_count; ++c) {
+            const size_t e = mesh->triangle_edges[c];
+            ends[2 * e + (ends[2 * e] != HMF_NONE)] = c / 3;
+        }
     }
-    std::vector<std::vector<uint32_t>> next(vertices ? info.vertex_count : info.triangle_count);
+    std::vector<std::vector<uint32_t>> next(vertices ? mesh->vertex_count : mesh->triangle_count);
     for (size_t e = 0; e < ends.size(); e += 2) {
         if (ends[e + 1] == HMF_NONE) continue; // on the boundary
         next[ends[e]].push_back(ends[e + 1]);
@@ -62,7 +63,7 @@ inline void walks(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops, uint6
 }
 
 inline void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
-    const uint32_t levels = static_cast<uint32_t>(hmf_level_count(h));
+    const uint32_t levels = static_cast<uint32_t>(hmf_hierarchy_describe(h)->level_count);
     loops.set.level = bytes.rarely() ? levels + bytes.byte() : bytes.below(levels);
     loops.set.element_kind = bytes.rarely() ? bytes.byte() : 1 + static_cast<int32_t>(bytes.below(2));
     uint64_t count = 0, total = 0;
@@ -77,7 +78,7 @@ inline void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
         const hmf_status status = hmf_loops(h, loops.set.level, kind, nullptr, &made, &error);
         const Owned<hmf_loop_set> owner(made);
         // With boundary: on level 0 only.
-        const bool on_part = hmf_boundary_count(h) > 0;
+        const bool on_part = hmf_hierarchy_describe(h)->boundary_count > 0;
         expect_status(status, error, {2, in_space || on_part ? 3 : 2, in_space || on_part ? 1 : 2});
         FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
         if (made) count = made->count, total = made->offsets[count];

@@ -19,7 +19,8 @@ inline void expect_parameterization(const hmf_hierarchy* h, const hmf_foliation*
     int64_t sum = 0;
     for (size_t v = 0; v < map->vertex_count; ++v) sum += 2 - map->cone[v];
     // A marked pole has an angle of pi.  With boundary half of the double is counted.
-    FUZZ_ASSERT(hmf_boundary_count(h) > 0 || sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+    FUZZ_ASSERT(hmf_hierarchy_describe(h)->boundary_count > 0
+                || sum == 4 - 4 * static_cast<int64_t>(hmf_hierarchy_describe(h)->genus));
 }
 
 inline void expect_charts(const hmf_foliation* f, bool memory_is_short) {
@@ -40,7 +41,7 @@ inline void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double
     if (const auto leaves = result_of<hmf_lines>({}, memory_is_short, traced))
         for (size_t i = 0; i < leaves->line_count; ++i) {
             const hmf_line& line = leaves->lines[i];
-            if (hmf_boundary_count(h) > 0) continue; // leaves end there
+            if (hmf_hierarchy_describe(h)->boundary_count > 0) continue; // leaves end there
             FUZZ_ASSERT(line.kind == HMF_LINE_CRITICAL ? line.begin == HMF_END_ZERO && line.end == HMF_END_ZERO
                                                        : line.closed == 1);
         }
@@ -48,10 +49,10 @@ inline void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double
     result_of<hmf_lines>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
                          traced);
     // With boundary cylinders are told apart by their loops, which are not given here.
-    result_of<hmf_cylinder_set>({HMF_ERROR_VALUE_NOT_HARMONIC,
-                                 hmf_boundary_count(h) > 0 ? HMF_ERROR_UNSUPPORTED : HMF_ERROR_VALUE_NOT_HARMONIC},
-                                memory_is_short,
-                                [&](auto out) { return hmf_cylinders(f, nullptr, nullptr, out, nullptr); });
+    result_of<hmf_cylinder_set>(
+        {HMF_ERROR_VALUE_NOT_HARMONIC,
+         hmf_hierarchy_describe(h)->boundary_count > 0 ? HMF_ERROR_UNSUPPORTED : HMF_ERROR_VALUE_NOT_HARMONIC},
+        memory_is_short, [&](auto out) { return hmf_cylinders(f, nullptr, nullptr, out, nullptr); });
 
     if (charts_now) expect_charts(f, memory_is_short);
     const auto mesh = result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
@@ -67,22 +68,21 @@ inline void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double
         FUZZ_ASSERT(sides[i].first < mesh->vertex_count && (i == 0 || sides[i] != sides[i - 1]));
         outer += !std::binary_search(sides.begin(), sides.end(), std::make_pair(sides[i].second, sides[i].first));
     }
-    FUZZ_ASSERT(outer == 0 || hmf_boundary_count(h) > 0);
+    FUZZ_ASSERT(outer == 0 || hmf_hierarchy_describe(h)->boundary_count > 0);
     const int64_t edges = (static_cast<int64_t>(sides.size()) + outer) / 2;
     FUZZ_ASSERT(static_cast<int64_t>(mesh->vertex_count) - edges + static_cast<int64_t>(mesh->quad_count)
-                == 2 - 2 * static_cast<int64_t>(hmf_genus(h)) - static_cast<int64_t>(hmf_boundary_count(h)));
+                == 2 - 2 * static_cast<int64_t>(hmf_hierarchy_describe(h)->genus)
+                       - static_cast<int64_t>(hmf_hierarchy_describe(h)->boundary_count));
 }
 
-inline void expect_closed(const hmf_hierarchy* h, const hmf_foliation* f) {
-    const size_t level = hmf_foliation_level(f);
-    hmf_level_info info{};
-    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+inline void expect_closed(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    const auto mesh = level_of(h, hmf_foliation_level(f), memory_is_short);
+    if (!mesh) return;
     size_t count = 0;
     const double* const values = hmf_foliation_values(f, &count);
-    FUZZ_ASSERT(count == info.edge_count);
-    std::vector<uint32_t> side(3 * info.triangle_count);
-    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, side.data(), side.size(), nullptr) == HMF_OK);
-    for (size_t t = 0; t < info.triangle_count; ++t)
+    FUZZ_ASSERT(count == mesh->edge_count);
+    const uint32_t* const side = mesh->triangle_edges;
+    for (size_t t = 0; t < mesh->triangle_count; ++t)
         for (size_t s = 0; s < 3; ++s)
             FUZZ_ASSERT(values[side[3 * t + s]] >= 0
                         && values[side[3 * t + s]]
@@ -106,7 +106,7 @@ inline void expect_singularities(const hmf_hierarchy* h, const hmf_foliation* f,
 // Exact triangle inequalities, no pole, 4 - 4 g; the values, read again, are
 // the same foliation.
 inline void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
-    expect_closed(h, f);
+    expect_closed(h, f, memory_is_short);
     expect_singularities(h, f, memory_is_short);
     const size_t level = hmf_foliation_level(f);
     size_t count = 0;
@@ -120,32 +120,28 @@ inline void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, boo
 }
 
 // Everything that a level tells; corners and edges fit together.
-inline void expect_level(const hmf_hierarchy* h, size_t level) {
-    hmf_level_info info{};
-    if (hmf_level_counts(h, level, &info, nullptr) == HMF_ERROR_LEVEL) {
-        FUZZ_ASSERT(level >= hmf_level_count(h));
-        return;
-    }
-    std::vector<uint32_t> ends(2 * info.edge_count), edges(3 * info.triangle_count), corners(3 * info.triangle_count);
-    std::vector<double> weights(info.edge_count), positions(3 * info.vertex_count);
-    hmf_error error{};
-    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size() - 1, &error) == HMF_ERROR_COUNT);
-    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), 0, &error) == HMF_ERROR_COUNT);
-    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), 1, &error) == HMF_ERROR_COUNT);
-    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size() - 1, &error) == HMF_ERROR_COUNT);
-    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), 2, &error) == HMF_ERROR_COUNT);
-    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
-    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), edges.size(), nullptr) == HMF_OK);
-    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), corners.size(), nullptr) == HMF_OK);
-    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size(), nullptr) == HMF_OK);
-    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), positions.size(), nullptr) == HMF_OK);
-    for (size_t c = 0; c < corners.size(); ++c) {
+inline void expect_level(const hmf_hierarchy* h, size_t level, bool memory_is_short) {
+    hmf_level_mesh* made = nullptr;
+    meter_now->begin_call();
+    const hmf_status status = hmf_level(h, level, nullptr, &made, nullptr);
+    const Owned<hmf_level_mesh> mesh(made);
+    FUZZ_ASSERT((status == HMF_ERROR_LEVEL) == (level >= hmf_hierarchy_describe(h)->level_count));
+    FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
+    FUZZ_ASSERT(status == HMF_OK || status == HMF_ERROR_LEVEL || (memory_is_short && status / 100 == 2));
+    if (!made) return;
+    const hmf_level_info& info = hmf_hierarchy_describe(h)->levels[level];
+    FUZZ_ASSERT(made->vertex_count == info.vertex_count && made->edge_count == info.edge_count
+                && made->triangle_count == info.triangle_count);
+    const uint32_t *const ends = made->edge_vertices, *const edges = made->triangle_edges;
+    const uint32_t* const corners = made->triangle_vertices;
+    for (size_t c = 0; c < 3 * info.triangle_count; ++c) {
         const uint32_t a = corners[c], b = corners[c - c % 3 + (c + 1) % 3], e = edges[c];
         FUZZ_ASSERT(a < info.vertex_count && e < info.edge_count);
         FUZZ_ASSERT((ends[2 * e] == a && ends[2 * e + 1] == b) || (ends[2 * e] == b && ends[2 * e + 1] == a));
     }
-    for (const double w : weights) FUZZ_ASSERT(std::isfinite(w) && (level == 0 || w > 0));
-    for (const double x : positions) FUZZ_ASSERT(std::isfinite(x));
+    for (size_t e = 0; e < info.edge_count; ++e)
+        FUZZ_ASSERT(std::isfinite(made->weights[e]) && (level == 0 || made->weights[e] > 0));
+    for (size_t i = 0; i < 3 * info.vertex_count; ++i) FUZZ_ASSERT(std::isfinite(made->positions[i]));
 }
 
 // On a coarse level the energy is the sum of weight * value^2; residuals are shares.
@@ -157,22 +153,18 @@ inline void expect_measures(const hmf_hierarchy* h, const hmf_foliation* f, bool
         return;
     }
     const size_t level = hmf_foliation_level(f);
-    hmf_level_info info{};
-    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
-    if (level > 0) {
-        std::vector<double> weights(info.edge_count);
-        FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size(), nullptr) == HMF_OK);
+    const auto mesh = level_of(h, level, memory_is_short);
+    if (mesh && level > 0) {
         const double* const values = hmf_foliation_values(f, nullptr);
-        const double share = hmf_boundary_count(h) > 0 ? 0.5 : 1; // of the double
+        const double share = hmf_hierarchy_describe(h)->boundary_count > 0 ? 0.5 : 1; // of the double
         double sum = 0;
-        for (size_t e = 0; e < weights.size(); ++e) sum += share * weights[e] * values[e] * values[e];
+        for (size_t e = 0; e < mesh->edge_count; ++e) sum += share * mesh->weights[e] * values[e] * values[e];
         FUZZ_ASSERT(std::abs(sum - energy) <= 1e-9 * sum);
     }
-    std::vector<double> residuals(info.vertex_count, -1);
-    meter_now->begin_call();
-    const hmf_status status = hmf_residuals(f, nullptr, residuals.data(), residuals.size(), nullptr);
-    FUZZ_ASSERT(status == HMF_OK || (memory_is_short && status / 100 == 2));
-    for (const double r : residuals) FUZZ_ASSERT(status == HMF_OK ? r >= 0 && r <= 1 + 1e-9 : r == -1);
+    const auto residuals = result_of<hmf_residual_set>(
+        {}, memory_is_short, [&](auto out) { return hmf_residuals(f, nullptr, out, nullptr); });
+    for (size_t v = 0; residuals && v < residuals->vertex_count; ++v)
+        FUZZ_ASSERT(residuals->values[v] >= 0 && residuals->values[v] <= 1 + 1e-9);
 }
 
 // A call that gives a foliation even where it stops early.

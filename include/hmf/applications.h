@@ -330,15 +330,19 @@ HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_pa
  * Scale
  * --------------------------------------------------------------------- */
 
-/* log_scale: triangle_count of the level, natural logarithm of |grad u| on each
-   triangle, |du| being the foliation: by how much a conformal (u, v) stretches
-   there, in the unit of the values / the unit of the positions.  Not less than
-   the largest - 16.1.  unevenness: its standard deviation over the surface, 0 if
-   the scale is the same everywhere.  Either may be NULL, not both.  Measured on the
-   values of the level and its positions; any foliation will do.  Returns HMF_OK, or
-   an error of classes 100, 200. */
-HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, double *log_scale,
-                                       size_t capacity, double *unevenness, hmf_error *error);
+typedef struct hmf_scale {
+    uint64_t triangle_count;     /* of the level */
+    const double *log_scale;     /* triangle_count, natural logarithm of |grad u| on each triangle, |du| being the
+                                    foliation: by how much a conformal (u, v) stretches there, in the unit of the
+                                    values / the unit of the positions.  Not less than the largest - 16.1 */
+    double unevenness;           /* its standard deviation over the surface, 0 if the scale is the same everywhere */
+} hmf_scale;
+
+/* The conformal scale of any foliation, measured on the values of its level and the
+   positions there.  Free with hmf_free.
+   Returns HMF_OK, or an error of classes 100, 200. */
+HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, hmf_scale **out,
+                                       hmf_error *error);
 
 /* ------------------------------------------------------------------------
  * Leaves, cylinders, quads

@@ -10,15 +10,13 @@
 #ifndef HMF_APPLICATIONS_HPP
 #define HMF_APPLICATIONS_HPP
 
-#include <hmf/hmf.hpp>
 #include <hmf/applications.h>
+#include <hmf/hmf.hpp>
+
+#include <optional>
 
 namespace hmf {
 inline namespace cpp {
-
-/* ------------------------------------------------------------------------
- * Parameterization
- * --------------------------------------------------------------------- */
 
 /* hmf_parameterize_options; zero means the default. */
 struct ParameterizeOptions {
@@ -45,22 +43,15 @@ inline Parameterization parameterize(const Foliation& foliation, const Parameter
     all.tolerance = options.tolerance;
     all.seam_edges = options.seam_edges.data();
     all.seam_edge_count = options.seam_edges.size();
-    return Parameterization(
-        detail::make<hmf_parameterization>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-            return hmf_parameterize(foliation.get(), &all, control, out, error);
-        }));
+    return Parameterization(detail::make<hmf_parameterization>(progress, hmf_parameterize, foliation.get(), &all));
 }
-
-/* ------------------------------------------------------------------------
- * Leaves
- * --------------------------------------------------------------------- */
 
 using Line = hmf_line;
 
 enum class LeavesKind : int32_t {
     automatic = HMF_LEAVES_DEFAULT,
     foliation = HMF_LEAVES_FOLIATION,
-    conjugate = HMF_LEAVES_CONJUGATE,
+    conjugate = HMF_LEAVES_CONJUGATE
 };
 
 /* hmf_trace_options; zero means the default. */
@@ -98,14 +89,8 @@ inline Leaves trace(const Foliation& foliation, const TraceOptions& options = {}
     all.point_triangles = options.point_triangles.data();
     all.point_barycentrics = options.point_barycentrics.data();
     all.leaves = static_cast<int32_t>(options.leaves);
-    return Leaves(detail::make<hmf_lines>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-        return hmf_trace(foliation.get(), &all, control, out, error);
-    }));
+    return Leaves(detail::make<hmf_lines>(progress, hmf_trace, foliation.get(), &all));
 }
-
-/* ------------------------------------------------------------------------
- * Cylinders
- * --------------------------------------------------------------------- */
 
 using Cylinder = hmf_cylinder;
 
@@ -117,30 +102,17 @@ public:
     Loops leaves() const { return detail::own(*get()->leaves); }
 };
 
-namespace detail {
-
-inline Cylinders cylinders(const Foliation& foliation, const hmf_loop_set* loops, const ProgressFunction& progress) {
-    return Cylinders(make<hmf_cylinder_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-        return hmf_cylinders(foliation.get(), loops, control, out, error);
-    }));
-}
-
-} // namespace detail
-
 /* hmf_cylinders, without their loops. */
 inline Cylinders cylinders(const Foliation& foliation, const ProgressFunction& progress = nullptr) {
-    return detail::cylinders(foliation, nullptr, progress);
+    const hmf_loop_set* const none = nullptr;
+    return Cylinders(detail::make<hmf_cylinder_set>(progress, hmf_cylinders, foliation.get(), none));
 }
 
 /* hmf_cylinders; loops: those that the foliation belongs to. */
 inline Cylinders cylinders(const Foliation& foliation, const Loops& loops, const ProgressFunction& progress = nullptr) {
     const hmf_loop_set set = detail::raw(loops);
-    return detail::cylinders(foliation, &set, progress);
+    return Cylinders(detail::make<hmf_cylinder_set>(progress, hmf_cylinders, foliation.get(), &set));
 }
-
-/* ------------------------------------------------------------------------
- * Quads
- * --------------------------------------------------------------------- */
 
 class QuadMesh : public Result<hmf_quad_mesh> {
 public:
@@ -153,9 +125,7 @@ public:
 inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options,
                       const ProgressFunction& progress = nullptr) {
     options.struct_size = sizeof options;
-    return QuadMesh(detail::make<hmf_quad_mesh>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-        return hmf_quads(foliation.get(), &options, control, out, error);
-    }));
+    return QuadMesh(detail::make<hmf_quad_mesh>(progress, hmf_quads, foliation.get(), &options));
 }
 
 /* edge_length 0: about as many quads as triangles / 2 */
@@ -164,10 +134,6 @@ inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const 
     options.edge_length = edge_length;
     return quads(foliation, options, progress);
 }
-
-/* ------------------------------------------------------------------------
- * Atlas
- * --------------------------------------------------------------------- */
 
 class Atlas : public Result<hmf_chart_set> {
 public:
@@ -181,10 +147,141 @@ inline Atlas atlas(const Foliation& foliation, double margin = 0, const Progress
     hmf_atlas_options options = {};
     options.struct_size = sizeof options;
     options.margin = margin;
-    return Atlas(detail::make<hmf_chart_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-        return hmf_atlas(foliation.get(), &options, control, out, error);
-    }));
+    return Atlas(detail::make<hmf_chart_set>(progress, hmf_atlas, foliation.get(), &options));
 }
+
+/* ------------------------------------------------------------------------
+ * Several components
+ * --------------------------------------------------------------------- */
+
+/* One component of ComponentSolutions. */
+struct ComponentSolution {
+    hmf_status status;                /* that of the solution; without one, why there is none */
+    std::string message;              /* likewise; empty with HMF_OK */
+    std::optional<Solution> solution; /* of this component alone */
+};
+
+/* One foliation over all components. */
+struct ComponentSolutions {
+    std::vector<double> values; /* one for each edge of the whole mesh; 0 where a component has none */
+    std::vector<ComponentSolution> components;
+};
+
+/* What hmf_components gives. */
+class Components : public Result<hmf_component_set> {
+public:
+    /* The options: mollify, marked vertices (of the whole mesh), memory. */
+    Components(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
+               const ProgressFunction& progress = nullptr) :
+        Result(detail::make_of_mesh<hmf_component_set>(progress, hmf_components, positions, triangles,
+                                                       detail::raw(options))) {}
+
+    std::size_t size() const noexcept { return static_cast<std::size_t>(get()->count); }
+    const hmf_component& operator[](std::size_t k) const noexcept { return get()->list[k]; }
+
+    /* Component k with numbers of its own, for a Hierarchy. */
+    Span<double> positions(std::size_t k) const noexcept {
+        return span(get()->part_positions + 3 * (*this)[k].first_vertex, 3 * (*this)[k].vertex_count);
+    }
+    Span<uint32_t> triangles(std::size_t k) const noexcept {
+        return span(get()->part_triangles + 3 * (*this)[k].first_triangle, 3 * (*this)[k].triangle_count);
+    }
+    Span<uint32_t> marked_vertices(std::size_t k) const noexcept {
+        return span(get()->part_marks + (*this)[k].first_mark, (*this)[k].marked_count);
+    }
+    /* Its numbers in the whole mesh. */
+    Span<uint32_t> whole_vertices(std::size_t k) const noexcept {
+        return span(get()->whole_vertices + (*this)[k].first_vertex, (*this)[k].vertex_count);
+    }
+    Span<uint32_t> whole_edges(std::size_t k) const noexcept {
+        return span(get()->whole_edges + (*this)[k].first_edge, (*this)[k].edge_count);
+    }
+    Span<uint32_t> whole_triangles(std::size_t k) const noexcept {
+        return span(get()->whole_triangles + (*this)[k].first_triangle, (*this)[k].triangle_count);
+    }
+
+    /* Loops of the whole mesh (level 0): those of each component, in its numbers.  Throws
+       HMF_ERROR_LOOP_INDEX where an element does not exist, HMF_ERROR_LOOP_NOT_CLOSED where a loop is on several. */
+    std::vector<Loops> split(const Loops& whole) const {
+        const bool triangles = whole.kind == LoopElements::triangles;
+        const uint32_t* const component = triangles ? get()->triangle_component : get()->vertex_component;
+        const uint32_t* const number = triangles ? get()->triangle_part : get()->vertex_part;
+        const uint64_t count = triangles ? get()->triangle_count : get()->vertex_count;
+        std::vector<Loops> parts(size());
+        for (Loops& own : parts) own.kind = whole.kind;
+        for (std::size_t c = 0; c < whole.size(); ++c) {
+            std::vector<uint32_t> elements;
+            uint32_t on = HMF_NONE;
+            for (const uint32_t element : whole[c]) {
+                const uint32_t k = element < count ? component[element] : HMF_NONE;
+                const std::string loop = "Loop " + std::to_string(c);
+                if (k == HMF_NONE)
+                    throw Error(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c,
+                                loop + " names element " + std::to_string(element) + ", which no component has.");
+                if (on != HMF_NONE && k != on)
+                    throw Error(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
+                                loop + " lies on the components " + std::to_string(on) + " and " + std::to_string(k)
+                                    + ". Give a loop on one of them.");
+                on = k;
+                elements.push_back(number[element]);
+            }
+            if (on != HMF_NONE) parts[on].add(elements, whole.weights[c], !whole.arcs.empty() && whole.arcs[c]);
+        }
+        return parts;
+    }
+
+    /* Solves each component, with the loops of the library or with those of the whole mesh.  options: as for a
+       Hierarchy, but for marked vertices, which are those given to the constructor; start and stop_level are not
+       used.  What is wrong with one component, or its loops, is said in its row; other failures are thrown. */
+    ComponentSolutions solve(const BuildOptions& build = {}, const SolveOptions& options = {},
+                             const ProgressFunction& progress = nullptr) const {
+        return solve_each(nullptr, build, options, progress);
+    }
+    ComponentSolutions solve(const Loops& loops, const BuildOptions& build = {}, const SolveOptions& options = {},
+                             const ProgressFunction& progress = nullptr) const {
+        const std::vector<Loops> parts = split(loops);
+        return solve_each(&parts, build, options, progress);
+    }
+
+private:
+    ComponentSolutions solve_each(const std::vector<Loops>* loops, BuildOptions build, SolveOptions options,
+                                  const ProgressFunction& progress) const {
+        options.start = nullptr;
+        options.stop_level = 0;
+        ComponentSolutions all;
+        all.values.resize(static_cast<std::size_t>(get()->edge_count));
+        double done = 0;
+        for (std::size_t k = 0; k < size(); ++k) {
+            const hmf_component& c = (*this)[k];
+            const double share = static_cast<double>(c.triangle_count) / static_cast<double>(get()->triangle_count);
+            const auto from_to = [&](double from, double to) -> ProgressFunction {
+                if (!progress) return nullptr;
+                return [&progress, from, to](double fraction) { return progress(from + fraction * (to - from)); };
+            };
+            all.components.push_back({c.status, c.status == HMF_OK ? "" : hmf_status_string(c.status), std::nullopt});
+            ComponentSolution& row = all.components.back();
+            if (c.status == HMF_OK && loops && (*loops)[k].size() == 0)
+                row = {HMF_ERROR_LOOP_COUNT, "No loop lies on it.", std::nullopt};
+            if (row.status == HMF_OK) try {
+                    build.marked_vertices = marked_vertices(k);
+                    // About a quarter of the time is the build.
+                    const Hierarchy hierarchy(positions(k), triangles(k), build, from_to(done, done + share / 4));
+                    const ProgressFunction rest = from_to(done + share / 4, done + share);
+                    row.solution = loops ? hierarchy.solve((*loops)[k], options, rest) : hierarchy.solve(options, rest);
+                    row.status = row.solution->status;
+                    row.message = row.solution->message;
+                    const Span<double> own = row.solution->foliation.values();
+                    for (std::size_t e = 0; e < own.size(); ++e) all.values[whole_edges(k)[e]] = own[e];
+                } catch (const Error& error) {
+                    if (error.status() < 300 && error.status() != HMF_ERROR_UNSUPPORTED) throw;
+                    row.status = error.status();
+                    row.message = error.what();
+                }
+            done += share;
+        }
+        return all;
+    }
+};
 
 } // namespace cpp
 } // namespace hmf

@@ -40,11 +40,10 @@
  *             threads may use them.  A foliation keeps what it needs of its
  *             hierarchy: they can be destroyed in any order.  There is no
  *             global state.
- *   arrays    Where the size is known beforehand the caller allocates and
- *             says how many elements there is room for (HMF_ERROR_COUNT:
- *             too few).  Else the library makes the result: one structure
- *             with counts and flat arrays, in one block, to be freed with
- *             hmf_free.
+ *   results   The library makes the result: one structure with counts and flat
+ *             arrays, in one block, to be freed with hmf_free.  What an object
+ *             says of itself (hmf_hierarchy_describe, hmf_foliation_values) is
+ *             part of the object.
  *   types     uint32_t indices from 0, size_t or uint64_t counts, double reals.
  *   memory    All through the allocator of the build options, which must
  *             then be thread-safe if the objects are shared, and must live as
@@ -254,8 +253,8 @@ typedef struct hmf_control {
     void *parallel_user;
 } hmf_control;
 
-/* Frees a result that the library made (hmf_singularities and the calls of
-   applications.h); NULL is allowed. */
+/* Frees a result that the library made (hmf_level, hmf_residuals, hmf_singularities
+   and the calls of applications.h); NULL is allowed. */
 HMF_API void hmf_free(const void *result);
 
 /* ------------------------------------------------------------------------
@@ -323,9 +322,6 @@ HMF_API void hmf_hierarchy_destroy(hmf_hierarchy *hierarchy);
 HMF_API uint64_t hmf_hierarchy_memory_estimate(size_t vertex_count, size_t triangle_count,
                                                const hmf_hierarchy_options *options);
 
-/* Bytes held by the hierarchy; 0 for NULL. */
-HMF_API uint64_t hmf_hierarchy_memory(const hmf_hierarchy *hierarchy);
-
 /* ------------------------------------------------------------------------
  * Levels
  * --------------------------------------------------------------------- */
@@ -338,47 +334,35 @@ typedef struct hmf_level_info {
                                     intrinsic Delaunay triangulation */
 } hmf_level_info;
 
-/* Number of levels, at least 1; 0 for NULL. */
-HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
+typedef struct hmf_hierarchy_info {
+    uint64_t level_count;        /* at least 1 */
+    uint64_t genus;              /* of the surface, without its boundary */
+    uint64_t boundary_count;     /* closed curves that the boundary consists of */
+    uint64_t memory_bytes;       /* held by the hierarchy */
+    const hmf_level_info *levels; /* level_count, finest first */
+} hmf_hierarchy_info;
 
-/* Genus of the surface, without its boundary; 0 for NULL. */
-HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
+/* What a hierarchy consists of.  Valid until the hierarchy is destroyed.  NULL for NULL. */
+HMF_API const hmf_hierarchy_info *hmf_hierarchy_describe(const hmf_hierarchy *hierarchy);
 
-/* Number of closed curves that the boundary consists of; 0 for NULL. */
-HMF_API size_t hmf_boundary_count(const hmf_hierarchy *hierarchy);
+/* The mesh of one level. */
+typedef struct hmf_level_mesh {
+    uint64_t vertex_count;
+    uint64_t edge_count;
+    uint64_t triangle_count;
+    const double *positions;     /* vertex_count x 3, in the unit of the input */
+    const uint32_t *edge_vertices; /* edge_count x 2; on coarse levels two vertices may have several edges */
+    const uint32_t *triangle_vertices; /* triangle_count x 3 corners */
+    const uint32_t *triangle_edges; /* triangle_count x 3; side s of a triangle joins its corners s and s+1 */
+    const double *weights;       /* edge_count, half the sum of the two opposite cotangents (on the boundary there is
+                                    one), without unit.  Level 0: of the caller's triangulation, may be negative there
+                                    (the solver uses the intrinsic Delaunay triangulation instead) */
+} hmf_level_mesh;
 
-/* The calls below fill a structure or an array of the caller for one level; the
-   counts are those of hmf_level_counts, capacity is a number of elements, not of
-   bytes.  They are short, so they take no control.
-   Returns HMF_OK, HMF_ERROR_NULL, HMF_ERROR_LEVEL or HMF_ERROR_COUNT. */
-
-/* Counts of one level. */
-HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out,
-                                    hmf_error *error);
-
-/* edge_vertices: edge_count x 2, the vertices of each edge.  On coarse levels two
-   vertices may have several edges. */
-HMF_API hmf_status hmf_level_edge_vertices(const hmf_hierarchy *hierarchy, size_t level,
-                                           uint32_t *edge_vertices, size_t capacity, hmf_error *error);
-
-/* triangle_edges: triangle_count x 3; side s of a triangle joins its corners s and s+1. */
-HMF_API hmf_status hmf_level_triangle_edges(const hmf_hierarchy *hierarchy, size_t level,
-                                            uint32_t *triangle_edges, size_t capacity, hmf_error *error);
-
-/* triangle_vertices: triangle_count x 3, corners in the order of the sides above. */
-HMF_API hmf_status hmf_level_triangle_vertices(const hmf_hierarchy *hierarchy, size_t level,
-                                               uint32_t *triangle_vertices, size_t capacity, hmf_error *error);
-
-/* weights: edge_count, half the sum of the two opposite cotangents (on the
-   boundary there is one), without unit.  Level 0: of the caller's triangulation,
-   may be negative there (the solver uses the intrinsic Delaunay triangulation
-   instead). */
-HMF_API hmf_status hmf_level_weights(const hmf_hierarchy *hierarchy, size_t level,
-                                     double *weights, size_t capacity, hmf_error *error);
-
-/* positions: vertex_count x 3, in the unit of the input. */
-HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t level,
-                                       double *positions, size_t capacity, hmf_error *error);
+/* The mesh of a level, copied.  Free with hmf_free.
+   Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200. */
+HMF_API hmf_status hmf_level(const hmf_hierarchy *hierarchy, size_t level, const hmf_control *control,
+                             hmf_level_mesh **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
  * Loops
@@ -618,16 +602,21 @@ HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level,
 HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control *control, double *energy,
                               hmf_error *error);
 
-/* residuals: vertex_count of the level.  Violation of [W] Eq. 4 at each vertex,
-   max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
-   weight * F over sector k and P over all edges; sectors that are one
-   direction around a cluster of zero edges count as one; 0 at marked vertices.
+typedef struct hmf_residual_set {
+    uint64_t vertex_count;       /* of the level */
+    const double *values;        /* vertex_count, not negative; 0 at marked vertices */
+} hmf_residual_set;
+
+/* Violation of [W] Eq. 4 at each vertex, max(0, 2 max_k P_k - P) / max(P, 0.01 mean P),
+   where P_k is the sum of weight * F over sector k and P over all edges; sectors
+   that are one direction around a cluster of zero edges count as one.
    0 everywhere means: this is the unique minimum.  Where the 60 bits inside are
    too short for the tolerance of a solve (needles, caps) it is that of values
    with a part of a unit more at some vertices, which the foliation keeps.
+   Free with hmf_free.
    Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
-HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
-                                 size_t capacity, hmf_error *error);
+HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, hmf_residual_set **out,
+                                 hmf_error *error);
 
 #define HMF_SINGULAR_VERTEX 1
 #define HMF_SINGULAR_TRIANGLE 2

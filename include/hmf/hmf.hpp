@@ -13,9 +13,8 @@
  *             and the sentence of hmf_error.  Limits are no failure: see
  *             Solution::status.  std::bad_alloc comes from the vectors only.
  *   arrays    In: Span, a pointer with a size, made from vectors, arrays and
- *             the like, also of std::array<T, N>.  Out: a flat std::vector
- *             where the caller allocates in C, else a Span that lives as long
- *             as the object it was asked of.
+ *             the like, also of std::array<T, N>.  Out: a Span that lives as long
+ *             as the object it was asked of, or a std::vector.
  *   objects   Hierarchy, Foliation and Results can be moved, not copied, and
  *             destroyed in any order.  What has been moved from can be
  *             destroyed or assigned to; its calls throw HMF_ERROR_NULL.
@@ -39,7 +38,6 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -49,10 +47,6 @@
 namespace hmf {
 // Keeps these names apart from those inside a static library.
 inline namespace cpp {
-
-/* ------------------------------------------------------------------------
- * Errors
- * --------------------------------------------------------------------- */
 
 /* What a failing call says; what() is what is wrong and what to do. */
 class Error : public std::runtime_error {
@@ -71,10 +65,6 @@ private:
     int32_t element_;
 };
 
-/* ------------------------------------------------------------------------
- * Arrays and options
- * --------------------------------------------------------------------- */
-
 /* A borrowed array of T: a pointer and a number of elements. */
 template <class T>
 class Span {
@@ -87,7 +77,7 @@ class Span {
 
 public:
     Span() = default;
-    explicit Span(const T* data, std::size_t size) : data_(data), size_(size) {}
+    explicit Span(const T* data, uint64_t size) : data_(data), size_(static_cast<std::size_t>(size)) {}
     template <std::size_t N>
     Span(const T (&array)[N]) : data_(array), size_(N) {}
     /* Containers with data() and size(), of T or of std::array<T, N>. */
@@ -107,11 +97,11 @@ private:
     std::size_t size_ = 0;
 };
 
-/* Answer of a progress function. */
+/* Answer of a progress function; finish: give the foliation that there is. */
 enum class Progress : int32_t {
     proceed = HMF_PROGRESS_CONTINUE,
     cancel = HMF_PROGRESS_CANCEL,
-    finish = HMF_PROGRESS_FINISH, /* give the foliation that there is */
+    finish = HMF_PROGRESS_FINISH
 };
 
 /* Called on the calling thread with a fraction that rises from 0 to 1. */
@@ -121,7 +111,7 @@ enum class Collapse : int32_t {
     automatic = HMF_COLLAPSE_DEFAULT,
     midpoint = HMF_COLLAPSE_MIDPOINT,
     endpoint = HMF_COLLAPSE_ENDPOINT,
-    qslim = HMF_COLLAPSE_QSLIM,
+    qslim = HMF_COLLAPSE_QSLIM
 };
 
 enum class Method : int32_t {
@@ -129,7 +119,7 @@ enum class Method : int32_t {
     newton = HMF_METHOD_NEWTON,
     whitehead = HMF_METHOD_WHITEHEAD,
     single_level = HMF_METHOD_SINGLE_LEVEL,
-    paper = HMF_METHOD_PAPER,
+    paper = HMF_METHOD_PAPER
 };
 
 enum class LoopElements : int32_t { triangles = HMF_PATH_TRIANGLES, vertices = HMF_PATH_VERTICES };
@@ -141,27 +131,23 @@ enum class LoopsKind : int32_t {
     pants = HMF_LOOPS_PANTS
 };
 
-/* The fields of hmf_hierarchy_options; zero means the default.  Two have a type of C++; positions are packed. */
+class Foliation;
+
+/* The fields of the C structures; zero means the default.  Some have a type of C++; positions are packed. */
 struct BuildOptions : hmf_hierarchy_options {
     BuildOptions() : hmf_hierarchy_options{} {}
     Collapse collapse = Collapse::automatic;
     Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
-
-/* hmf_design_options; zero means the default. */
-struct DesignOptions {
-    BuildOptions build; /* its marked vertices are part of every design */
-    bool no_poles = false;
-    uint64_t solve_limit = 0;
-};
-
-class Foliation;
-
-/* The fields of hmf_solve_options; zero means the default.  Two have a type of C++. */
 struct SolveOptions : hmf_solve_options {
     SolveOptions() : hmf_solve_options{} {}
     Method method = Method::automatic;
     const Foliation* start = nullptr; /* instead of loops; borrowed until the call ends */
+};
+struct DesignOptions {
+    BuildOptions build; /* its marked vertices are part of every design */
+    bool no_poles = false;
+    uint64_t solve_limit = 0;
 };
 
 /* Closed curves on a level, with weights: hmf_loop_set with its own arrays. */
@@ -175,32 +161,23 @@ struct Loops {
 
     std::size_t size() const noexcept { return offsets.empty() ? 0 : offsets.size() - 1; }
     Span<uint32_t> operator[](std::size_t loop) const {
-        return Span<uint32_t>(elements.data() + offsets[loop],
-                              static_cast<std::size_t>(offsets[loop + 1] - offsets[loop]));
+        return Span<uint32_t>(elements.data() + offsets[loop], offsets[loop + 1] - offsets[loop]);
     }
-    void add(Span<uint32_t> loop, double weight = 1) {
+    void add(Span<uint32_t> loop, double weight = 1, bool is_arc = false) {
         elements.insert(elements.end(), loop.begin(), loop.end());
+        if (is_arc) arcs.resize(size(), 0);
         offsets.push_back(elements.size());
         weights.push_back(weight);
-        if (!arcs.empty()) arcs.push_back(0);
-    }
-    void add_arc(std::initializer_list<uint32_t> arc, double weight = 1) {
-        add_arc(Span<uint32_t>(arc.begin(), arc.size()), weight);
-    }
-    void add_arc(Span<uint32_t> arc, double weight = 1) {
-        arcs.resize(size(), 0);
-        add(arc, weight);
-        arcs.resize(size(), 1);
-        arcs.back() = 1;
+        if (is_arc || !arcs.empty()) arcs.push_back(is_arc);
     }
     void add(std::initializer_list<uint32_t> loop, double weight = 1) {
         add(Span<uint32_t>(loop.begin(), loop.size()), weight);
     }
+    void add_arc(Span<uint32_t> arc, double weight = 1) { add(arc, weight, true); }
+    void add_arc(std::initializer_list<uint32_t> arc, double weight = 1) {
+        add(Span<uint32_t>(arc.begin(), arc.size()), weight, true);
+    }
 };
-
-/* ------------------------------------------------------------------------
- * Results
- * --------------------------------------------------------------------- */
 
 using LevelInfo = hmf_level_info;
 using LevelReport = hmf_level_report;
@@ -223,24 +200,13 @@ struct Report : hmf_report {
 namespace detail {
 
 struct Delete {
-    void operator()(const hmf_hierarchy* hierarchy) const noexcept {
-        hmf_hierarchy_destroy(const_cast<hmf_hierarchy*>(hierarchy));
-    }
-    void operator()(const hmf_foliation* foliation) const noexcept {
-        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
-    }
+    void operator()(const hmf_hierarchy* h) const noexcept { hmf_hierarchy_destroy(const_cast<hmf_hierarchy*>(h)); }
+    void operator()(const hmf_foliation* f) const noexcept { hmf_foliation_destroy(const_cast<hmf_foliation*>(f)); }
     void operator()(const void* result) const noexcept { hmf_free(result); }
 };
 
 template <class T>
 using Handle = std::unique_ptr<const T, Delete>;
-
-/* Makes a call with an hmf_error; throws unless it succeeds. */
-template <class Call>
-void check(Call&& call) {
-    hmf_error error = {};
-    if (call(&error) != HMF_OK) throw Error(error);
-}
 
 /* What the innermost Threads object of this thread lends; zero: nothing. */
 inline hmf_control& lent() noexcept {
@@ -282,41 +248,41 @@ private:
     hmf_control control_;
 };
 
-/* Makes call(control, error), which fills an array. */
-template <class Call>
-void fill(const ProgressFunction& progress, Call&& call) {
-    Reporter reporter(progress);
-    hmf_error error = {};
-    const hmf_status status = call(reporter.control(), &error);
-    reporter.rethrow();
-    if (status != HMF_OK) throw Error(error);
-}
-
-/* Makes call(control, &object, error).  A call may be stopped and give an object
-   all the same: then the error says why. */
-template <class T, class Call>
-Handle<T> make(const ProgressFunction& progress, Call&& call, hmf_error& error) {
+/* function(arguments..., control, &object, &error).  A call may be stopped and give an
+   object all the same: then the error says why. */
+template <class T, class Function, class... Arguments>
+Handle<T> make_or_stop(hmf_error& error, const ProgressFunction& progress, Function* function,
+                       const Arguments&... arguments) {
     Reporter reporter(progress);
     T* out = nullptr;
-    const hmf_status status = call(reporter.control(), &out, &error);
+    const hmf_status status = function(arguments..., reporter.control(), &out, &error);
     Handle<T> handle(out);
     reporter.rethrow();
     if (status != HMF_OK && !handle) throw Error(error);
     return handle;
 }
 
-template <class T, class Call>
-Handle<T> make(const ProgressFunction& progress, Call&& call) {
+template <class T, class Function, class... Arguments>
+Handle<T> make(const ProgressFunction& progress, Function* function, const Arguments&... arguments) {
     hmf_error error = {};
-    return make<T>(progress, std::forward<Call>(call), error);
+    return make_or_stop<T>(error, progress, function, arguments...);
 }
 
-/* Throws unless an array holds three numbers for each element. */
+/* Throws unless an array has three numbers for each of its elements. */
 inline void check_triples(std::size_t size, const char* what, const char* element) {
-    if (size % 3 != 0)
-        throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
-                    std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element
-                        + ".");
+    if (size % 3 == 0) return;
+    throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
+                std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element + ".");
+}
+
+/* function(mesh, options, control, &object, &error) */
+template <class T, class Function, class Options>
+Handle<T> make_of_mesh(const ProgressFunction& progress, Function* function, Span<double> positions,
+                       Span<uint32_t> triangles, const Options& options) {
+    check_triples(positions.size(), "positions", "vertex");
+    check_triples(triangles.size(), "triangles", "triangle");
+    return make<T>(progress, function, positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
+                   &options);
 }
 
 inline hmf_hierarchy_options raw(const BuildOptions& options) {
@@ -331,18 +297,15 @@ inline hmf_hierarchy_options raw(const BuildOptions& options) {
 
 /* For calls during which the loops live.  Throws what C cannot see. */
 inline hmf_loop_set raw(const Loops& loops) {
-    if (loops.weights.size() != loops.size())
+    const auto check = [&](uint64_t size, uint64_t expected, const char* what) {
+        if (size == expected) return;
         throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
-                    "There are " + std::to_string(loops.weights.size()) + " weights for " + std::to_string(loops.size())
-                        + " loops. Give one for each.");
-    if (!loops.arcs.empty() && loops.arcs.size() != loops.size())
-        throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
-                    "There are " + std::to_string(loops.arcs.size()) + " entries of arcs for "
-                        + std::to_string(loops.size()) + " loops. Use Loops::add_arc.");
-    if (!loops.offsets.empty() && loops.offsets.back() != loops.elements.size())
-        throw Error(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_NONE, 0,
-                    "The last offset of the loops is " + std::to_string(loops.offsets.back()) + ", but there are "
-                        + std::to_string(loops.elements.size()) + " elements. Use Loops::add.");
+                    "There are " + std::to_string(size) + " " + what + " instead of " + std::to_string(expected)
+                        + ". Use Loops::add and Loops::add_arc.");
+    };
+    check(loops.weights.size(), loops.size(), "weights of loops");
+    if (!loops.arcs.empty()) check(loops.arcs.size(), loops.size(), "entries of arcs");
+    if (!loops.offsets.empty()) check(loops.elements.size(), loops.offsets.back(), "elements of loops");
     hmf_loop_set set = {};
     set.struct_size = sizeof set;
     set.element_kind = static_cast<int32_t>(loops.kind);
@@ -370,10 +333,6 @@ inline Loops own(const hmf_loop_set& set) {
 
 } // namespace detail
 
-/* ------------------------------------------------------------------------
- * Threads of the host
- * --------------------------------------------------------------------- */
-
 /* While it lives, the calls that its own thread makes share their work by
    parallel_for, see hmf_parallel_for_fn.  The innermost one counts.  The bits of
    the results are the same as without. */
@@ -398,21 +357,20 @@ template <class T>
 class Result {
 public:
     explicit Result(detail::Handle<T> handle) noexcept : handle_(std::move(handle)) {}
-
     const T* get() const noexcept { return handle_.get(); }
     const T* operator->() const noexcept { return handle_.get(); }
 
 protected:
     template <class E>
     static Span<E> span(const E* data, uint64_t size) noexcept {
-        return Span<E>(data, static_cast<std::size_t>(size));
+        return Span<E>(data, size);
     }
 
 private:
     detail::Handle<T> handle_;
 };
 
-/* What hmf_singularities gives. */
+/* hmf_singularities */
 class Singularities : public Result<hmf_singularity_set> {
 public:
     using Result::Result;
@@ -422,17 +380,25 @@ public:
     Span<int32_t> triangle_index() const noexcept { return span(get()->triangle_index, get()->triangle_count); }
 };
 
-/* ------------------------------------------------------------------------
- * Foliation
- * --------------------------------------------------------------------- */
+/* hmf_level */
+class LevelMesh : public Result<hmf_level_mesh> {
+public:
+    using Result::Result;
+    Span<double> positions() const noexcept { return span(get()->positions, 3 * get()->vertex_count); }
+    Span<uint32_t> edge_vertices() const noexcept { return span(get()->edge_vertices, 2 * get()->edge_count); }
+    Span<uint32_t> triangle_edges() const noexcept { return span(get()->triangle_edges, 3 * get()->triangle_count); }
+    Span<uint32_t> triangle_vertices() const noexcept {
+        return span(get()->triangle_vertices, 3 * get()->triangle_count);
+    }
+    Span<double> weights() const noexcept { return span(get()->weights, get()->edge_count); }
+};
 
 struct Solution;
 
 /* An immutable measured foliation; it may outlive its hierarchy. */
 class Foliation {
 public:
-    Foliation(Foliation&&) = default;
-    Foliation& operator=(Foliation&&) = default;
+    explicit Foliation(detail::Handle<hmf_foliation> handle) noexcept : handle_(std::move(handle)) {}
 
     /* The object, for calls of hmf.h; it stays ours. */
     const hmf_foliation* get() const noexcept { return handle_.get(); }
@@ -440,7 +406,6 @@ public:
     std::size_t level() const noexcept { return hmf_foliation_level(get()); }
     double unit() const noexcept { return hmf_foliation_unit(get()); }
     uint64_t memory() const noexcept { return hmf_foliation_memory(get()); }
-
     /* One for each edge of the level. */
     Span<double> values() const noexcept {
         std::size_t count = 0;
@@ -448,76 +413,39 @@ public:
         return Span<double>(data, data ? count : 0);
     }
 
-    /* hmf_energy */
     double energy(const ProgressFunction& progress = nullptr) const {
+        detail::Reporter reporter(progress);
+        hmf_error error = {};
         double energy = 0;
-        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
-            return hmf_energy(get(), control, &energy, error);
-        });
+        const hmf_status status = hmf_energy(get(), reporter.control(), &energy, &error);
+        reporter.rethrow();
+        if (status != HMF_OK) throw Error(error);
         return energy;
     }
-
-    /* hmf_residuals: vertex_count */
+    /* One for each vertex. */
     std::vector<double> residuals(const ProgressFunction& progress = nullptr) const {
-        // Euler: edges = 3 (vertices + 2 genus - 2).
-        std::vector<double> residuals(get() ? values().size() / 3 + 2 - 2 * genus_ : 0);
-        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
-            return hmf_residuals(get(), control, residuals.data(), residuals.size(), error);
-        });
-        return residuals;
+        const auto made = detail::make<hmf_residual_set>(progress, hmf_residuals, get());
+        return {made->values, made->values + made->vertex_count};
     }
-
-    /* hmf_conformal_scale: triangle_count */
+    /* One for each triangle. */
     std::vector<double> conformal_scale(const ProgressFunction& progress = nullptr) const {
-        // Euler: 2 edges = 3 triangles.
-        std::vector<double> scale(get() ? values().size() / 3 * 2 : 0);
-        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
-            return hmf_conformal_scale(get(), control, scale.data(), scale.size(), nullptr, error);
-        });
-        return scale;
+        const auto made = detail::make<hmf_scale>(progress, hmf_conformal_scale, get());
+        return {made->log_scale, made->log_scale + made->triangle_count};
     }
-
-    /* hmf_conformal_scale: how uneven it is. */
     double unevenness(const ProgressFunction& progress = nullptr) const {
-        double unevenness = 0;
-        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
-            return hmf_conformal_scale(get(), control, nullptr, 0, &unevenness, error);
-        });
-        return unevenness;
+        return detail::make<hmf_scale>(progress, hmf_conformal_scale, get())->unevenness;
     }
-
-    /* hmf_singularities */
     Singularities singularities(const ProgressFunction& progress = nullptr) const {
-        return Singularities(
-            detail::make<hmf_singularity_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-                return hmf_singularities(get(), control, out, error);
-            }));
+        return Singularities(detail::make<hmf_singularity_set>(progress, hmf_singularities, get()));
     }
-
     /* hmf_interpolate: the same foliation on another level. */
     Foliation to_level(std::size_t level, const ProgressFunction& progress = nullptr) const {
-        return Foliation(detail::make<hmf_foliation>(progress,
-                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
-                                                         return hmf_interpolate(get(), level, control, out, error);
-                                                     }),
-                         genus_);
+        return Foliation(detail::make<hmf_foliation>(progress, hmf_interpolate, get(), level));
     }
-
-    /* hmf_relax */
     Solution relax(const SolveOptions& options = {}, const ProgressFunction& progress = nullptr) const;
 
 private:
-    friend class Hierarchy;
-
-    Foliation(detail::Handle<hmf_foliation> handle, std::size_t genus) noexcept :
-        handle_(std::move(handle)), genus_(genus) {}
-
-    template <class Call>
-    static Solution solved(const SolveOptions& options, const ProgressFunction& progress, std::size_t genus,
-                           Call&& call);
-
     detail::Handle<hmf_foliation> handle_;
-    std::size_t genus_;
 };
 
 /* What hmf_solve and hmf_relax give. */
@@ -528,31 +456,28 @@ struct Solution {
     Report report;
 };
 
-template <class Call>
-Solution Foliation::solved(const SolveOptions& options, const ProgressFunction& progress, std::size_t genus,
-                           Call&& call) {
+namespace detail {
+
+/* function(arguments..., options, control, &foliation, &error) */
+template <class Function, class... Arguments>
+Solution solve(const SolveOptions& options, const ProgressFunction& progress, Function* function,
+               const Arguments&... arguments) {
     hmf_solve_options all = options;
     all.struct_size = sizeof all;
     all.method = static_cast<int32_t>(options.method);
     all.start = options.start ? options.start->get() : nullptr;
+    const hmf_solve_options* const given = &all;
     hmf_error error = {};
-    detail::Handle<hmf_foliation> handle = detail::make<hmf_foliation>(
-        progress,
-        [&](const hmf_control* control, hmf_foliation** out, hmf_error* e) { return call(&all, control, out, e); },
-        error);
+    Handle<hmf_foliation> handle = make_or_stop<hmf_foliation>(error, progress, function, arguments..., given);
     Report report(*hmf_foliation_report(handle.get()));
-    return Solution{Foliation(std::move(handle), genus), error.status, error.message, std::move(report)};
+    return Solution{Foliation(std::move(handle)), error.status, error.message, std::move(report)};
 }
+
+} // namespace detail
 
 inline Solution Foliation::relax(const SolveOptions& options, const ProgressFunction& progress) const {
-    return solved(options, progress, genus_, [&](auto all, const hmf_control* control, auto out, hmf_error* error) {
-        return hmf_relax(get(), all, control, out, error);
-    });
+    return detail::solve(options, progress, hmf_relax, get());
 }
-
-/* ------------------------------------------------------------------------
- * Hierarchy
- * --------------------------------------------------------------------- */
 
 /* What hmf_even_design gives. */
 struct Design {
@@ -566,52 +491,30 @@ struct Design {
 /* An immutable hierarchy of triangle meshes. */
 class Hierarchy {
 public:
-    /* hmf_hierarchy_create.  positions: vertex_count x 3; triangles: triangle_count x 3. */
+    /* positions: vertex_count x 3; triangles: triangle_count x 3 */
     Hierarchy(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
-              const ProgressFunction& progress = nullptr) {
-        detail::check_triples(positions.size(), "positions", "vertex");
-        detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_hierarchy_options all = detail::raw(options);
-        handle_ = detail::make<hmf_hierarchy>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-            return hmf_hierarchy_create(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
-                                        &all, control, out, error);
-        });
-    }
+              const ProgressFunction& progress = nullptr) :
+        handle_(detail::make_of_mesh<hmf_hierarchy>(progress, hmf_hierarchy_create, positions, triangles,
+                                                    detail::raw(options))) {}
 
-    Hierarchy(Hierarchy&&) = default;
-    Hierarchy& operator=(Hierarchy&&) = default;
-
-    /* hmf_suggest_marks */
     static std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
                                                const BuildOptions& options = {},
                                                const ProgressFunction& progress = nullptr) {
-        detail::check_triples(positions.size(), "positions", "vertex");
-        detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_hierarchy_options all = detail::raw(options);
-        const auto set =
-            detail::make<hmf_mark_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-                return hmf_suggest_marks(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
-                                         &all, control, out, error);
-            });
+        const auto set = detail::make_of_mesh<hmf_mark_set>(progress, hmf_suggest_marks, positions, triangles,
+                                                            detail::raw(options));
         return {set->vertices, set->vertices + set->count};
     }
 
     /* hmf_even_design: marked vertices for the options of a hierarchy, and loops to solve for on it. */
     static Design even_design(Span<double> positions, Span<uint32_t> triangles, const DesignOptions& options = {},
                               const ProgressFunction& progress = nullptr) {
-        detail::check_triples(positions.size(), "positions", "vertex");
-        detail::check_triples(triangles.size(), "triangles", "triangle");
         const hmf_hierarchy_options build = detail::raw(options.build);
         hmf_design_options all = {};
         all.struct_size = sizeof all;
         all.no_poles = options.no_poles;
         all.build = &build;
         all.solve_limit = options.solve_limit;
-        const auto made =
-            detail::make<hmf_design>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-                return hmf_even_design(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
-                                       &all, control, out, error);
-            });
+        const auto made = detail::make_of_mesh<hmf_design>(progress, hmf_even_design, positions, triangles, all);
         return {{made->marked_vertices, made->marked_vertices + made->marked_count},
                 detail::own(*made->loops),
                 made->unevenness,
@@ -619,7 +522,6 @@ public:
                 made->solves};
     }
 
-    /* hmf_hierarchy_memory_estimate */
     static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count,
                                     const BuildOptions& options = {}) {
         const hmf_hierarchy_options all = detail::raw(options);
@@ -629,271 +531,55 @@ public:
     /* The object, for calls of hmf.h; it stays ours. */
     const hmf_hierarchy* get() const noexcept { return handle_.get(); }
 
-    uint64_t memory() const noexcept { return hmf_hierarchy_memory(get()); }
-    std::size_t level_count() const noexcept { return hmf_level_count(get()); }
-    std::size_t coarsest_level() const noexcept { return level_count() - 1; }
-    std::size_t genus() const noexcept { return hmf_genus(get()); }
-    std::size_t boundary_count() const noexcept { return hmf_boundary_count(get()); }
-    LevelInfo level(std::size_t level) const {
-        LevelInfo info = {};
-        detail::check([&](hmf_error* error) { return hmf_level_counts(get(), level, &info, error); });
-        return info;
+    uint64_t memory() const { return info().memory_bytes; }
+    std::size_t level_count() const { return static_cast<std::size_t>(info().level_count); }
+    std::size_t coarsest_level() const { return level_count() - 1; }
+    std::size_t genus() const { return static_cast<std::size_t>(info().genus); }
+    std::size_t boundary_count() const { return static_cast<std::size_t>(info().boundary_count); }
+    /* Counts of a level. */
+    const LevelInfo& level(std::size_t level) const {
+        if (level < level_count()) return info().levels[level];
+        throw Error(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, level, "There is no level " + std::to_string(level) + ".");
     }
-
-    /* edge_count x 2 */
-    std::vector<uint32_t> edge_vertices(std::size_t level) const {
-        return fill<uint32_t>(level, &LevelInfo::edge_count, 2, hmf_level_edge_vertices);
-    }
-    /* triangle_count x 3 */
-    std::vector<uint32_t> triangle_edges(std::size_t level) const {
-        return fill<uint32_t>(level, &LevelInfo::triangle_count, 3, hmf_level_triangle_edges);
-    }
-    /* triangle_count x 3 */
-    std::vector<uint32_t> triangle_vertices(std::size_t level) const {
-        return fill<uint32_t>(level, &LevelInfo::triangle_count, 3, hmf_level_triangle_vertices);
-    }
-    /* edge_count */
-    std::vector<double> weights(std::size_t level) const {
-        return fill<double>(level, &LevelInfo::edge_count, 1, hmf_level_weights);
-    }
-    /* vertex_count x 3 */
-    std::vector<double> positions(std::size_t level) const {
-        return fill<double>(level, &LevelInfo::vertex_count, 3, hmf_level_positions);
+    LevelMesh mesh(std::size_t level, const ProgressFunction& progress = nullptr) const {
+        return LevelMesh(detail::make<hmf_level_mesh>(progress, hmf_level, get(), level));
     }
 
     /* hmf_loops, with weights 1 */
     Loops loops(std::size_t level, LoopsKind kind = LoopsKind::cut, const ProgressFunction& progress = nullptr) const {
-        return detail::own(
-            *detail::make<hmf_loop_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-                return hmf_loops(get(), level, static_cast<int32_t>(kind), control, out, error);
-            }));
+        return detail::own(*detail::make<hmf_loop_set>(progress, hmf_loops, get(), level, static_cast<int32_t>(kind)));
     }
-
     /* hmf_foliation_from_loops */
     Foliation initialize(const Loops& loops, const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
-        const auto make = [&](const hmf_control* control, auto out, hmf_error* error) {
-            return hmf_foliation_from_loops(get(), &set, control, out, error);
-        };
-        return Foliation(detail::make<hmf_foliation>(progress, make), genus());
+        return Foliation(detail::make<hmf_foliation>(progress, hmf_foliation_from_loops, get(), &set));
     }
-
-    /* hmf_foliation_from_values: a foliation of values, edge_count of the level. */
+    /* hmf_foliation_from_values: edge_count of the level. */
     Foliation foliation(std::size_t level, Span<double> values, const ProgressFunction& progress = nullptr) const {
-        return Foliation(detail::make<hmf_foliation>(progress,
-                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
-                                                         return hmf_foliation_from_values(get(), level, values.data(),
-                                                                                     values.size(), control, out,
-                                                                                     error);
-                                                     }),
-                         genus());
+        return Foliation(detail::make<hmf_foliation>(progress, hmf_foliation_from_values, get(), level, values.data(),
+                                                     values.size()));
     }
 
     /* hmf_solve from options.start; without a start hmf_solve_cut_system. */
     Solution solve(const SolveOptions& options = {}, const ProgressFunction& progress = nullptr) const {
-        if (options.start) return solve_set(nullptr, options, progress);
-        return Foliation::solved(options, progress, genus(),
-                                 [&](auto all, const hmf_control* control, auto out, hmf_error* error) {
-                                     return hmf_solve_cut_system(get(), all, control, out, error);
-                                 });
+        if (!options.start) return detail::solve(options, progress, hmf_solve_cut_system, get());
+        const hmf_loop_set* const none = nullptr;
+        return detail::solve(options, progress, hmf_solve, get(), none);
     }
-
-    /* hmf_solve */
     Solution solve(const Loops& loops, const SolveOptions& options = {},
                    const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
-        return solve_set(&set, options, progress);
+        return detail::solve(options, progress, hmf_solve, get(), &set);
     }
 
 private:
-    template <class T>
-    std::vector<T> fill(std::size_t level, uint64_t LevelInfo::*count, std::size_t width,
-                        hmf_status (*call)(const hmf_hierarchy*, std::size_t, T*, std::size_t, hmf_error*)) const {
-        std::vector<T> array(width * static_cast<std::size_t>(this->level(level).*count));
-        detail::check([&](hmf_error* error) { return call(get(), level, array.data(), array.size(), error); });
-        return array;
-    }
-
-    Solution solve_set(const hmf_loop_set* loops, const SolveOptions& options, const ProgressFunction& progress) const {
-        return Foliation::solved(options, progress, genus(),
-                                 [&](auto all, const hmf_control* control, auto out, hmf_error* error) {
-                                     return hmf_solve(get(), loops, all, control, out, error);
-                                 });
+    const hmf_hierarchy_info& info() const {
+        static constexpr hmf_hierarchy_info none = {}; // of what has been moved from
+        return get() ? *hmf_hierarchy_describe(get()) : none;
     }
 
     detail::Handle<hmf_hierarchy> handle_;
 };
-
-/* ------------------------------------------------------------------------
- * Several components
- * --------------------------------------------------------------------- */
-
-struct ComponentSolutions;
-
-/* What hmf_components gives. */
-class Components : public Result<hmf_component_set> {
-public:
-    /* The options: mollify, marked vertices (of the whole mesh), memory. */
-    Components(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
-               const ProgressFunction& progress = nullptr) :
-        Result(divide(positions, triangles, options, progress)) {}
-
-    std::size_t size() const noexcept { return static_cast<std::size_t>(get()->count); }
-    const hmf_component& operator[](std::size_t k) const noexcept { return get()->list[k]; }
-
-    /* Component k with numbers of its own, for a Hierarchy. */
-    Span<double> positions(std::size_t k) const noexcept {
-        return part(get()->part_positions, (*this)[k].first_vertex, (*this)[k].vertex_count, 3);
-    }
-    Span<uint32_t> triangles(std::size_t k) const noexcept {
-        return part(get()->part_triangles, (*this)[k].first_triangle, (*this)[k].triangle_count, 3);
-    }
-    Span<uint32_t> marked_vertices(std::size_t k) const noexcept {
-        return part(get()->part_marks, (*this)[k].first_mark, (*this)[k].marked_count);
-    }
-
-    /* Its numbers in the whole mesh. */
-    Span<uint32_t> whole_vertices(std::size_t k) const noexcept {
-        return part(get()->whole_vertices, (*this)[k].first_vertex, (*this)[k].vertex_count);
-    }
-    Span<uint32_t> whole_edges(std::size_t k) const noexcept {
-        return part(get()->whole_edges, (*this)[k].first_edge, (*this)[k].edge_count);
-    }
-    Span<uint32_t> whole_triangles(std::size_t k) const noexcept {
-        return part(get()->whole_triangles, (*this)[k].first_triangle, (*this)[k].triangle_count);
-    }
-
-    /* Loops of the whole mesh (level 0): those of each component, in its numbers.  Throws
-       HMF_ERROR_LOOP_INDEX where an element does not exist, HMF_ERROR_LOOP_NOT_CLOSED where a loop is on several. */
-    std::vector<Loops> split(const Loops& whole) const;
-
-    /* Solves each component, with the loops of the library or with those of the whole mesh.  options: as for a
-       Hierarchy, but for marked vertices, which are those given to the constructor; start and stop_level are not
-       used.  What is wrong with one component, or its loops, is said in its row; other failures are thrown. */
-    ComponentSolutions solve(const BuildOptions& build = {}, const SolveOptions& options = {},
-                             const ProgressFunction& progress = nullptr) const;
-    ComponentSolutions solve(const Loops& loops, const BuildOptions& build = {}, const SolveOptions& options = {},
-                             const ProgressFunction& progress = nullptr) const;
-
-private:
-    static detail::Handle<hmf_component_set> divide(Span<double> positions, Span<uint32_t> triangles,
-                                                    const BuildOptions& options, const ProgressFunction& progress) {
-        detail::check_triples(positions.size(), "positions", "vertex");
-        detail::check_triples(triangles.size(), "triangles", "triangle");
-        const hmf_hierarchy_options all = detail::raw(options);
-        return detail::make<hmf_component_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-            return hmf_components(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3, &all,
-                                  control, out, error);
-        });
-    }
-
-    template <class T>
-    static Span<T> part(const T* array, uint64_t first, uint64_t count, uint64_t width = 1) noexcept {
-        return span(array + width * first, width * count);
-    }
-
-    ComponentSolutions solve_each(const std::vector<Loops>* loops, BuildOptions build, SolveOptions options,
-                                  const ProgressFunction& progress) const;
-};
-
-/* One component of ComponentSolutions. */
-struct ComponentSolution {
-    hmf_status status;                /* that of the solution; without one, why there is none */
-    std::string message;              /* likewise; empty with HMF_OK */
-    std::optional<Solution> solution; /* of this component alone */
-};
-
-/* One foliation over all components. */
-struct ComponentSolutions {
-    std::vector<double> values; /* one for each edge of the whole mesh; 0 where a component has none */
-    std::vector<ComponentSolution> components;
-};
-
-inline std::vector<Loops> Components::split(const Loops& whole) const {
-    const bool triangles = whole.kind == LoopElements::triangles;
-    const uint32_t* const component = triangles ? get()->triangle_component : get()->vertex_component;
-    const uint32_t* const number = triangles ? get()->triangle_part : get()->vertex_part;
-    const uint64_t count = triangles ? get()->triangle_count : get()->vertex_count;
-    std::vector<Loops> parts(size());
-    for (Loops& own : parts) own.kind = whole.kind;
-    for (std::size_t c = 0; c < whole.size(); ++c) {
-        std::vector<uint32_t> elements;
-        uint32_t on = HMF_NONE;
-        for (const uint32_t element : whole[c]) {
-            const uint32_t k = element < count ? component[element] : HMF_NONE;
-            if (k == HMF_NONE)
-                throw Error(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c,
-                            "Loop " + std::to_string(c) + " names element " + std::to_string(element)
-                                + ", which no component has.");
-            if (on != HMF_NONE && k != on)
-                throw Error(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
-                            "Loop " + std::to_string(c) + " lies on the components " + std::to_string(on) + " and "
-                                + std::to_string(k) + ". Give a loop on one of them.");
-            on = k;
-            elements.push_back(number[element]);
-        }
-        if (on == HMF_NONE) continue;
-        parts[on].add(elements, whole.weights[c]);
-        parts[on].arcs.resize(parts[on].size(), 0);
-        if (!whole.arcs.empty()) parts[on].arcs.back() = whole.arcs[c];
-    }
-    return parts;
-}
-
-inline ComponentSolutions Components::solve_each(const std::vector<Loops>* loops, BuildOptions build,
-                                                 SolveOptions options, const ProgressFunction& progress) const {
-    options.start = nullptr;
-    options.stop_level = 0;
-    ComponentSolutions all;
-    all.values.resize(static_cast<std::size_t>(get()->edge_count));
-    double done = 0;
-    for (std::size_t k = 0; k < size(); ++k) {
-        const hmf_component& c = (*this)[k];
-        const double share = static_cast<double>(c.triangle_count) / static_cast<double>(get()->triangle_count);
-        // About a quarter of the time is the build.
-        const auto from_to = [&](double from, double to) -> ProgressFunction {
-            if (!progress) return nullptr;
-            return [&progress, from, to](double fraction) { return progress(from + fraction * (to - from)); };
-        };
-        all.components.push_back({c.status, c.status == HMF_OK ? "" : hmf_status_string(c.status), std::nullopt});
-        ComponentSolution& row = all.components.back();
-        if (c.status == HMF_OK && loops && (*loops)[k].size() == 0) {
-            row.status = HMF_ERROR_LOOP_COUNT;
-            row.message = "No loop lies on it.";
-        }
-        if (row.status == HMF_OK) {
-            try {
-                build.marked_vertices = marked_vertices(k);
-                const Hierarchy hierarchy(positions(k), triangles(k), build, from_to(done, done + share / 4));
-                const ProgressFunction rest = from_to(done + share / 4, done + share);
-                row.solution = loops ? hierarchy.solve((*loops)[k], options, rest) : hierarchy.solve(options, rest);
-                row.status = row.solution->status;
-                row.message = row.solution->message;
-                const Span<double> own = row.solution->foliation.values();
-                const Span<uint32_t> edges = whole_edges(k);
-                for (std::size_t e = 0; e < own.size(); ++e) all.values[edges[e]] = own[e];
-            } catch (const Error& error) {
-                // What is wrong with this component, or its loops, is said in its row.
-                if (error.status() < 300 && error.status() != HMF_ERROR_UNSUPPORTED) throw;
-                row.status = error.status();
-                row.message = error.what();
-            }
-        }
-        done += share;
-    }
-    return all;
-}
-
-inline ComponentSolutions Components::solve(const BuildOptions& build, const SolveOptions& options,
-                                            const ProgressFunction& progress) const {
-    return solve_each(nullptr, build, options, progress);
-}
-
-inline ComponentSolutions Components::solve(const Loops& loops, const BuildOptions& build, const SolveOptions& options,
-                                            const ProgressFunction& progress) const {
-    const std::vector<Loops> parts = split(loops);
-    return solve_each(&parts, build, options, progress);
-}
 
 } // namespace cpp
 } // namespace hmf

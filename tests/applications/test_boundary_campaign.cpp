@@ -66,7 +66,7 @@ bool cut_holes(const TriMesh& whole, uint64_t k, TriMesh& mesh) {
         const hmf_status status =
             hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                  mesh.triangle_count(), nullptr, nullptr, &h, nullptr);
-        if (h) mesh.genus = hmf_genus(h);
+        if (h) mesh.genus = hmf_hierarchy_describe(h)->genus;
         hmf_hierarchy_destroy(h);
         if (status == HMF_OK) return true;
     }

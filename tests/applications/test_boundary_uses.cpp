@@ -167,7 +167,7 @@ TEST(Boundary, QuadsOfSurfacesWithHoles) {
             for (const bool merge : {false, true}) {
                 const auto quads = quads_of(s, quad_options(1500, merge, merge ? 10 : 0));
                 ASSERT_TRUE(quads);
-                expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+                expect_quads_conform(mesh, *quads, int64_t(hmf_hierarchy_describe(hierarchy.get())->genus));
             }
         }
     }

@@ -432,7 +432,7 @@ TEST_P(Leaves, Quads) {
             ASSERT_EQ(valence[v], v < zeros.size() ? 2 * (2 - zeros[v].index) : 4) << v;
         // V - E + F with E = 2 F: one component of the right genus, if the fans close as counted above.
         EXPECT_EQ(static_cast<long>(vertices) - static_cast<long>(count),
-                  2 - 2 * static_cast<long>(hmf_genus(hierarchy->get())));
+                  2 - 2 * static_cast<long>(hmf_hierarchy_describe(hierarchy->get())->genus));
         for (double x : positions) ASSERT_TRUE(std::isfinite(x));
         if (length == 0.07) {
             EXPECT_GT(static_cast<double>(count), 0.5 * area / (length * length));

@@ -129,9 +129,9 @@ changed() { # name, "breaks" or "allowed", file, sed expression
     fi
 }
 
-changed function-removed breaks hmf.h '/^HMF_API size_t hmf_genus/d'
+changed function-removed breaks hmf.h '/^HMF_API size_t hmf_foliation_level/d'
 changed parameter-type breaks applications.h 's/^HMF_API hmf_status hmf_quads(const hmf_foliation \*foliation,/HMF_API hmf_status hmf_quads(const hmf_hierarchy *foliation,/'
-changed parameter-narrower breaks hmf.h 's/^HMF_API size_t hmf_level_count/HMF_API uint32_t hmf_level_count/'
+changed parameter-narrower breaks hmf.h 's/^HMF_API size_t hmf_foliation_level/HMF_API uint32_t hmf_foliation_level/'
 changed field-in-the-middle breaks hmf.h 's/^    double time_limit;/    double another;\n&/'
 changed fields-exchanged breaks hmf.h 's/^    uint64_t vertices;/    uint64_t EDGES;/; s/^    uint64_t edges;/    uint64_t vertices;/; s/EDGES/edges/'
 changed field-type breaks hmf.h 's/^    uint64_t stop_level;/    int64_t stop_level;/'
@@ -139,7 +139,7 @@ changed field-removed breaks applications.h '/^    double unevenness_before;/d'
 changed element-grows breaks hmf.h 's/^} hmf_level_info;/    double another;\n&/'
 changed constant-value breaks hmf.h 's/^#define HMF_ERROR_MESH_GENUS 311/#define HMF_ERROR_MESH_GENUS 313/'
 changed constant-removed breaks hmf.h '/^#define HMF_COLLAPSE_ENDPOINT/d'
-changed function-added allowed hmf.h 's/^HMF_API size_t hmf_genus/HMF_API size_t hmf_another(const hmf_hierarchy *hierarchy);\n&/'
+changed function-added allowed hmf.h 's/^HMF_API size_t hmf_foliation_level/HMF_API size_t hmf_another(const hmf_hierarchy *hierarchy);\n&/'
 changed options-grow allowed hmf.h 's/^} hmf_solve_options;/    double another;\n&/'
 changed result-grows allowed applications.h 's/^} hmf_quad_mesh;/    double another;\n&/'
 changed constant-added allowed hmf.h 's/^#define HMF_ERROR_INTERNAL 900/&\n#define HMF_ERROR_ANOTHER 901/'

@@ -12,10 +12,10 @@ failed=0
 cat > "$work/hmf.c" <<'END'
 #include <hmf/hmf.h>
 #include <hmf/hmf.h>
-hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error);
-hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error)
+hmf_status use(const hmf_hierarchy *h, hmf_level_mesh **out, hmf_error *error);
+hmf_status use(const hmf_hierarchy *h, hmf_level_mesh **out, hmf_error *error)
 {
-    return hmf_level_counts(h, 0, info, error);
+    return hmf_level(h, 0, NULL, out, error);
 }
 END
 cat > "$work/applications.c" <<'END'

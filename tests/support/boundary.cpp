@@ -100,7 +100,7 @@ void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t bounda
     EXPECT_LE(s.report.residual_max, 1e-8);
     EXPECT_EQ(s.report.poles, 0u);
     EXPECT_EQ(s.report.bad_flips_left, 0u);
-    const int64_t genus = static_cast<int64_t>(hmf_genus(hierarchy.get()));
+    const int64_t genus = static_cast<int64_t>(hmf_hierarchy_describe(hierarchy.get())->genus);
     EXPECT_EQ(s.report.index_sum, 8 - 8 * genus - 4 * boundaries - 2 * marks_inside - marks_on_boundary);
     EXPECT_NE(s.report.class_state, HMF_CLASS_LOST);
     EXPECT_NE(s.report.class_state, HMF_CLASS_UNKNOWN);

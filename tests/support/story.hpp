@@ -18,6 +18,28 @@ void append(Bits& bits, const T* from, uint64_t count) {
     for (uint64_t i = 0; i < count; ++i) bits.push_back(static_cast<double>(from[i]));
 }
 
+inline Bits bits_of(const hmf_level_mesh& m) {
+    Bits bits;
+    append(bits, m.positions, 3 * m.vertex_count);
+    append(bits, m.edge_vertices, 2 * m.edge_count);
+    append(bits, m.triangle_vertices, 3 * m.triangle_count);
+    append(bits, m.triangle_edges, 3 * m.triangle_count);
+    append(bits, m.weights, m.edge_count);
+    return bits;
+}
+
+inline Bits bits_of(const hmf_residual_set& r) {
+    Bits bits;
+    append(bits, r.values, r.vertex_count);
+    return bits;
+}
+
+inline Bits bits_of(const hmf_scale& s) {
+    Bits bits{s.unevenness};
+    append(bits, s.log_scale, s.triangle_count);
+    return bits;
+}
+
 inline Bits bits_of(const hmf_loop_set& s) {
     Bits bits{static_cast<double>(s.element_kind), static_cast<double>(s.level)};
     append(bits, s.offsets, s.count + 1);
@@ -188,6 +210,9 @@ private:
     }
 
     void add_core() {
+        for (const size_t level : {size_t{0}, size_t{1}})
+            add<hmf_level_mesh>("hmf_level",
+                                [this, level](auto c, auto out, auto e) { return hmf_level(h, level, c, out, e); });
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS})
             add<hmf_loop_set>("hmf_loops",
                               [this, kind](auto c, auto out, auto e) { return hmf_loops(h, 0, kind, c, out, e); });
@@ -246,16 +271,10 @@ private:
             {"hmf_energy", false, [&f](const hmf_control* c, Bits* bits) {
                  return one_array(bits, 1, [&](double* out, hmf_error* e) { return hmf_energy(f.get(), c, out, e); });
              }});
-        functions.push_back({"hmf_residuals", false, [&f, this](const hmf_control* c, Bits* bits) {
-                                 return one_array(bits, vertices, [&](double* out, hmf_error* e) {
-                                     return hmf_residuals(f.get(), c, out, vertices, e);
-                                 });
-                             }});
-        functions.push_back({"hmf_conformal_scale", false, [&f](const hmf_control* c, Bits* bits) {
-                                 return one_array(bits, 1, [&](double* out, hmf_error* e) {
-                                     return hmf_conformal_scale(f.get(), c, nullptr, 0, out, e);
-                                 });
-                             }});
+        add<hmf_residual_set>("hmf_residuals",
+                              [&f](auto c, auto out, auto e) { return hmf_residuals(f.get(), c, out, e); });
+        add<hmf_scale>("hmf_conformal_scale",
+                       [&f](auto c, auto out, auto e) { return hmf_conformal_scale(f.get(), c, out, e); });
         add<hmf_singularity_set>("hmf_singularities",
                                  [&f](auto c, auto out, auto e) { return hmf_singularities(f.get(), c, out, e); });
         add<hmf_parameterization>(

@@ -49,41 +49,25 @@ Hierarchy::Hierarchy(const TriMesh& mesh, const hmf_hierarchy_options& options) 
     const hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                                    mesh.triangle_count(), &options, nullptr, &handle_, &error);
     EXPECT_EQ(status, HMF_OK) << error.message;
-    if (handle_) { EXPECT_EQ(hmf_genus(handle_), mesh.genus); }
+    if (handle_) { EXPECT_EQ(hmf_hierarchy_describe(handle_)->genus, mesh.genus); }
 }
 
-size_t Hierarchy::edges(size_t level) const {
-    hmf_level_info info{};
-    EXPECT_EQ(hmf_level_counts(handle_, level, &info, nullptr), HMF_OK);
-    return info.edge_count;
-}
+size_t Hierarchy::edges(size_t level) const { return hmf_hierarchy_describe(handle_)->levels[level].edge_count; }
 
 LevelMesh read_level(const Hierarchy& hierarchy, size_t level) {
     LevelMesh mesh;
-    hmf_level_info info{};
-    EXPECT_EQ(hmf_level_counts(hierarchy.get(), level, &info, nullptr), HMF_OK);
+    const auto made = make<hmf_level_mesh>(
+        [&](hmf_level_mesh** out, hmf_error* error) { return hmf_level(hierarchy.get(), level, nullptr, out, error); });
     mesh.level = level;
-    mesh.vertex_count = info.vertex_count;
-    mesh.edge_count = info.edge_count;
-    mesh.triangle_count = info.triangle_count;
-    mesh.raised_count = info.raised_count;
-    mesh.edge_vertices.resize(2 * mesh.edge_count);
-    mesh.triangle_edges.resize(3 * mesh.triangle_count);
-    mesh.triangle_vertices.resize(3 * mesh.triangle_count);
-    mesh.weights.resize(mesh.edge_count);
-    mesh.positions.resize(3 * mesh.vertex_count);
-    EXPECT_EQ(
-        hmf_level_edge_vertices(hierarchy.get(), level, mesh.edge_vertices.data(), mesh.edge_vertices.size(), nullptr),
-        HMF_OK);
-    EXPECT_EQ(hmf_level_triangle_edges(hierarchy.get(), level, mesh.triangle_edges.data(), mesh.triangle_edges.size(),
-                                       nullptr),
-              HMF_OK);
-    EXPECT_EQ(hmf_level_triangle_vertices(hierarchy.get(), level, mesh.triangle_vertices.data(),
-                                          mesh.triangle_vertices.size(), nullptr),
-              HMF_OK);
-    EXPECT_EQ(hmf_level_weights(hierarchy.get(), level, mesh.weights.data(), mesh.weights.size(), nullptr), HMF_OK);
-    EXPECT_EQ(hmf_level_positions(hierarchy.get(), level, mesh.positions.data(), mesh.positions.size(), nullptr),
-              HMF_OK);
+    mesh.vertex_count = made->vertex_count;
+    mesh.edge_count = made->edge_count;
+    mesh.triangle_count = made->triangle_count;
+    mesh.raised_count = hmf_hierarchy_describe(hierarchy.get())->levels[level].raised_count;
+    mesh.edge_vertices.assign(made->edge_vertices, made->edge_vertices + 2 * mesh.edge_count);
+    mesh.triangle_edges.assign(made->triangle_edges, made->triangle_edges + 3 * mesh.triangle_count);
+    mesh.triangle_vertices.assign(made->triangle_vertices, made->triangle_vertices + 3 * mesh.triangle_count);
+    mesh.weights.assign(made->weights, made->weights + mesh.edge_count);
+    mesh.positions.assign(made->positions, made->positions + 3 * mesh.vertex_count);
     return mesh;
 }
 
@@ -181,10 +165,10 @@ double energy(const Foliation& foliation) {
 }
 
 std::vector<double> residuals(const Foliation& foliation, size_t vertex_count) {
-    std::vector<double> result(vertex_count, -1);
-    hmf_error error{};
-    expect_ok(hmf_residuals(foliation.get(), nullptr, result.data(), result.size(), &error), error);
-    return result;
+    const auto made = make<hmf_residual_set>(
+        [&](hmf_residual_set** out, hmf_error* error) { return hmf_residuals(foliation.get(), nullptr, out, error); });
+    EXPECT_EQ(made->vertex_count, vertex_count);
+    return {made->values, made->values + made->vertex_count};
 }
 
 Owned<hmf_singularity_set> singularities(const Foliation& foliation) {

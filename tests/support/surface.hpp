@@ -26,7 +26,7 @@ public:
 
     const hmf_hierarchy* get() const { return handle_; }
     explicit operator bool() const { return handle_ != nullptr; }
-    size_t levels() const { return hmf_level_count(handle_); }
+    size_t levels() const { return hmf_hierarchy_describe(handle_)->level_count; }
     size_t coarsest() const { return levels() - 1; }
     size_t edges(size_t level) const;
 

@@ -33,7 +33,8 @@ struct Solved {
     cli::Foliation f;
 
     Solved(const TriMesh& mesh, const std::vector<double>& weights) : hierarchy(mesh) {
-        loops = library_loops(hierarchy, hmf_boundary_count(hierarchy.get()) > 0 ? 0 : hierarchy.coarsest());
+        loops = library_loops(hierarchy,
+                              hmf_hierarchy_describe(hierarchy.get())->boundary_count > 0 ? 0 : hierarchy.coarsest());
         loops.weights = weights;
         solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 1e-8));
         const LevelMesh level = read_level(hierarchy, 0);

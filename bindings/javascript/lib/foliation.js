@@ -99,26 +99,20 @@ export class Foliation {
 
     residuals(options) {
         return this.#ask(options, (frame, address) => {
-            const count = this.hierarchy.levels[this.level].vertexCount, out = frame.room(Float64Array, count);
-            frame.finish('hmf_residuals', address, frame.control, out, count);
-            return frame.array(Float64Array, out, count);
+            const result = frame.result('hmf_residuals', address), { vertex_count } = frame.read('hmf_residual_set', result);
+            return frame.arrays('hmf_residual_set', result, { values: vertex_count }).values;
         });
     }
 
     conformalScale(options) {
         return this.#ask(options, (frame, address) => {
-            const count = this.hierarchy.levels[this.level].triangleCount, out = frame.room(Float64Array, count);
-            frame.finish('hmf_conformal_scale', address, frame.control, out, count, 0);
-            return frame.array(Float64Array, out, count);
+            const result = frame.result('hmf_conformal_scale', address), { triangle_count } = frame.read('hmf_scale', result);
+            return frame.arrays('hmf_scale', result, { log_scale: triangle_count }).logScale;
         });
     }
 
     unevenness(options) {
-        return this.#ask(options, (frame, address) => {
-            const out = frame.room(Float64Array, 1);
-            frame.finish('hmf_conformal_scale', address, frame.control, 0, 0, out);
-            return frame.array(Float64Array, out, 1)[0];
-        });
+        return this.#ask(options, (frame, address) => frame.read('hmf_scale', frame.result('hmf_conformal_scale', address)).unevenness);
     }
 
     singularities(options) {

@@ -1,5 +1,5 @@
 // Hierarchy: a mesh with its coarser levels (hmf_hierarchy_create and what reads it).
-import { Frame } from './memory.js';
+import { Frame, camel } from './memory.js';
 import { Foliation, dispose } from './foliation.js';
 import { boundaryCurves, holeWarning, notClosed, withoutUnused } from './boundaries.js';
 import { namesOf } from './error.js';
@@ -105,6 +105,7 @@ export function evenDesign(module, positions, triangles, options) {
 export class Hierarchy {
     #held;
     #busy = false;
+    #info;
     #levels;
     #marks;
     #kept = null;
@@ -119,7 +120,7 @@ export class Hierarchy {
                 throw new TypeError(`markedVertices is '${build.markedVertices}'; give 'suggest', or vertices.`);
             const warnings = this.#buildUsed(positions, triangles, build);
             const constant = fields => Object.entries(fields).forEach(([name, value]) => Object.defineProperty(this, name, { value, enumerable: true }));
-            constant({ boundaryCount: module.invoke('hmf_boundary_count', this.#held.address), genus: module.invoke('hmf_genus', this.#held.address) });
+            constant({ boundaryCount: this.#info.boundary_count, genus: this.#info.genus });
             if (this.boundaryCount > 0) {
                 const curves = boundaryCurves(this.#levels[0]);
                 if (closed) throw notClosed(module, curves);
@@ -159,12 +160,9 @@ export class Hierarchy {
         const build = marks => withMesh(module, positions, triangles, { ...others, markedVertices: marks }, (frame, ...mesh) => {
             const { address } = frame.make('hmf_hierarchy_create', ...mesh);
             this.#held.address = address;
-            const count = module.invoke('hmf_level_count', address);
-            this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => {
-                const out = frame.structure('hmf_level_info');
-                frame.call('hmf_level_counts', address, index, out);
-                return new Level(this, index, frame.plain('hmf_level_info', out));
-            }));
+            this.#info = frame.read('hmf_hierarchy_info', this.#held.module.invoke('hmf_hierarchy_describe', address));
+            const counts = frame.list('hmf_level_info', this.#info.levels, this.#info.level_count);
+            this.#levels = Object.freeze(counts.map((own, index) => new Level(this, index, own)));
             this.#marks = Uint32Array.from(marks ?? []);
         });
         try {
@@ -191,7 +189,7 @@ export class Hierarchy {
     }
 
     get memoryBytes() {
-        return this.perform({}, (frame, address) => Number(BigInt.asUintN(64, frame.module.invoke('hmf_hierarchy_memory', address))));
+        return this.perform({}, () => this.#info.memory_bytes);
     }
 
     get disposed() {
@@ -309,31 +307,30 @@ export class Level {
         Object.freeze(this);
     }
 
-    #array(name, Type, count) {
+    #array(name, count) {
         return this.#hierarchy.perform({}, (frame, address) => {
-            const room = frame.room(Type, count);
-            frame.call(name, address, this.index, room, count);
-            return frame.array(Type, room, count);
+            const mesh = frame.result('hmf_level', address, this.index);
+            return frame.arrays('hmf_level_mesh', mesh, { [name]: count })[camel(name)];
         });
     }
 
     edgeVertices() {
-        return this.#array('hmf_level_edge_vertices', Uint32Array, 2 * this.edgeCount);
+        return this.#array('edge_vertices', 2 * this.edgeCount);
     }
 
     triangleEdges() {
-        return this.#array('hmf_level_triangle_edges', Uint32Array, 3 * this.triangleCount);
+        return this.#array('triangle_edges', 3 * this.triangleCount);
     }
 
     triangleVertices() {
-        return this.#array('hmf_level_triangle_vertices', Uint32Array, 3 * this.triangleCount);
+        return this.#array('triangle_vertices', 3 * this.triangleCount);
     }
 
     weights() {
-        return this.#array('hmf_level_weights', Float64Array, this.edgeCount);
+        return this.#array('weights', this.edgeCount);
     }
 
     positions() {
-        return this.#array('hmf_level_positions', Float64Array, 3 * this.vertexCount);
+        return this.#array('positions', 3 * this.vertexCount);
     }
 }

@@ -67,15 +67,13 @@ extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_cou
     return HMF_OK;
 }
 
-extern "C" hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control* control, double* log_scale,
-                                          size_t capacity, double* unevenness, hmf_error* error) {
+extern "C" hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control* control, hmf_scale** out,
+                                          hmf_error* error) {
     const hmf_hierarchy* const hierarchy = foliation ? foliation->hierarchy : nullptr;
     Entry entry(hierarchy, control, error);
     Call& call = entry.call;
-    const void* const output = log_scale ? log_scale : unevenness;
-    if (entry.check(hierarchy, output)) return call.status();
+    if (entry.check(hierarchy, out)) return call.status();
     const size_t shown = hierarchy->shown_triangles(foliation->level); // NOLINT: check refuses NULL
-    if (log_scale && check_capacity(capacity, shown, "log_scale", call)) return call.status();
     State state;
     ConformalScale scale;
     Array<uint32_t> side;
@@ -84,11 +82,16 @@ extern "C" hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const 
     if (!call.tick(0.3)) return call.was_cancelled();
     if (!scale.measure(mesh, hierarchy->levels[foliation->level].position, state.foliation.value, foliation->unit,
                        call.memory, &call)
-        || (log_scale && !side_of_triangles(*hierarchy, foliation->level, side, call)))
+        || !side_of_triangles(*hierarchy, foliation->level, side, call))
         return call.stopped();
     if (!call.tick(0.8)) return call.was_cancelled();
     const double offset = scale.offset + natural_log(hierarchy->scale);
-    for (size_t t = 0; log_scale && t < shown; ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]] + offset;
-    if (unevenness) *unevenness = scale.unevenness();
+    hmf_scale result{shown, nullptr, scale.unevenness()};
+    ResultBlock block;
+    block.room(result, result.log_scale, shown);
+    hmf_scale* const made = block.make(result, *hierarchy, call);
+    if (!made) return call.status();
+    for (size_t t = 0; t < shown; ++t) fill(made->log_scale)[t] = scale.log_scale[mesh.face[side[t]]] + offset;
+    *out = made;
     return entry.end();
 }

@@ -75,6 +75,7 @@ hmf_status hmf_hierarchy_create(const double* positions, size_t vertex_count, co
         hmf_hierarchy_destroy(h);
         *out = nullptr;
     } else {
+        h->info.memory_bytes = h->memory.used();
         call.finished();
     }
     return status;
@@ -96,7 +97,5 @@ uint64_t hmf_hierarchy_memory_estimate(size_t vertex_count, size_t triangle_coun
         return 0;
     return build_memory_bound(vertex_count, triangle_count, build) + sizeof(hmf_hierarchy);
 }
-
-uint64_t hmf_hierarchy_memory(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->memory.used() : 0; }
 
 } // extern "C"

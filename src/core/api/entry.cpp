@@ -48,10 +48,4 @@ hmf_status check_count(size_t count, size_t needed, const char* what, Call& call
                      static_cast<unsigned long long>(count), static_cast<unsigned long long>(needed));
 }
 
-hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call) {
-    if (capacity >= needed) return HMF_OK;
-    return call.fail(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, needed, "%s has room for %llu entries but %llu are needed.",
-                     what, static_cast<unsigned long long>(capacity), static_cast<unsigned long long>(needed));
-}
-
 } // namespace hmf

@@ -86,6 +86,5 @@ public:
 
 [[nodiscard]] hmf_status check_level(const hmf_hierarchy& hierarchy, size_t level, Call& call);
 [[nodiscard]] hmf_status check_count(size_t count, size_t needed, const char* what, Call& call);
-[[nodiscard]] hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call);
 
 } // namespace hmf

@@ -3,6 +3,7 @@
 #include "../solve/double_reflection.hpp"
 #include "../solve/fraction.hpp"
 #include "foliation_object.hpp"
+#include "result.hpp"
 #include "singularity_list.hpp"
 
 using namespace hmf;
@@ -44,16 +45,14 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     return entry.end();
 }
 
-hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* control, double* out, size_t capacity,
+hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* control, hmf_residual_set** out,
                          hmf_error* error) {
     Entry entry(hierarchy_of(foliation), control, error);
     Call& call = entry.call;
-    if (entry.check(hierarchy_of(foliation), static_cast<const void*>(out)) || check_foliation(foliation, call))
-        return call.status();
+    if (entry.check(hierarchy_of(foliation), out) || check_foliation(foliation, call)) return call.status();
     const hmf_hierarchy& h = *foliation->hierarchy;
     const Level& level = h.levels[foliation->level];
     const uint32_t n = h.shown_vertices(foliation->level);
-    if (check_capacity(capacity, n, "residuals", call)) return call.status();
     State state;
     Rings rings;
     Star star;
@@ -69,7 +68,13 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
                  state.foliation, rings, level.weight, foliation->fraction, star, residual.data(), call, unused))
         return status;
     if (call.cancelled()) return call.was_cancelled();
-    for (uint32_t v = 0; v < n; ++v) out[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
+    hmf_residual_set result{n, nullptr};
+    ResultBlock block;
+    block.room(result, result.values, n);
+    hmf_residual_set* const made = block.make(result, h, call);
+    if (!made) return call.status();
+    for (uint32_t v = 0; v < n; ++v) fill(made->values)[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
+    *out = made;
     return entry.end();
 }
 

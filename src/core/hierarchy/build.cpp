@@ -502,6 +502,16 @@ hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t t
 
 } // namespace
 
+// What the caller sees of a hierarchy that has been built.
+static Done write_info(hmf_hierarchy& h) {
+    hmf_level_info* const levels = h.arena.take<hmf_level_info>(h.level_count);
+    if (!levels) return false;
+    for (size_t k = 0; k < h.level_count; ++k)
+        levels[k] = {h.shown_vertices(k), h.shown_edges(k), h.shown_triangles(k), h.levels[k].raised_count};
+    h.info = {h.level_count, h.surface_genus, h.boundary_count, 0, levels};
+    return true;
+}
+
 hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
                            size_t position_stride, const uint32_t* triangles, size_t triangle_count,
                            const BuildOptions& options, Call& call) {
@@ -513,6 +523,7 @@ hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, si
         hierarchy.made_with.marked_vertices = nullptr;
         Builder builder(hierarchy, positions, position_stride, options, call);
         status = builder.run(vertex_count, triangles, triangle_count);
+        if (!status && !write_info(hierarchy)) status = call.out_of_memory();
     }
     if (status == HMF_CANCELLED) return call.was_cancelled();
     return status;
@@ -551,7 +562,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     }
     const uint64_t coarse_vertices = coarse / 3 + MAX_LEVELS;
     const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
-    const uint64_t slack = 131072 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
+    const uint64_t slack = 131072 + MAX_LEVELS * (2 * sizeof(Level) + sizeof(hmf_level_info) + 8 * 32);
     const uint64_t input = 24 * F + 4 * V + 4 * E + 8 * E; // the caller's triangles, the maps, weights of level 0
     const uint64_t metric = 24 * (E + F);                  // to 31 digits where triangles are thin
     // A polygon of all triangles, while flat polygons are triangulated.

@@ -104,7 +104,8 @@ struct hmf_hierarchy {
     // What the caller sees of level 0: all, or the front of a double.
     uint32_t surface_vertices = 0, surface_edges = 0, surface_triangles = 0;
     uint32_t surface_genus = 0, boundary_count = 0;
-    hmf::Mirror mirror; // empty: the surface is closed
+    hmf::Mirror mirror;        // empty: the surface is closed
+    hmf_hierarchy_info info{}; // what the caller sees; nothing inside reads it
 
     bool is_double() const { return boundary_count > 0; }
     // Energies and areas of the surface are this part of those inside.

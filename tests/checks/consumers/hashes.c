@@ -149,19 +149,21 @@ static int print_quads(const hmf_foliation* foliation, uint64_t relax, hmf_error
 
 /* Residuals, conformal scale, circumferences. */
 static int print_measures(const hmf_foliation* foliation, const hmf_loop_set* loops, hmf_error* error) {
-    static double residuals[MAX_VERTICES], scale[MAX_TRIANGLES];
+    hmf_residual_set* residuals = NULL;
+    hmf_scale* scale = NULL;
     hmf_cylinder_set* cylinders = NULL;
-    double unevenness;
     uint64_t hash;
     size_t i;
-    if (check("hmf_residuals", hmf_residuals(foliation, NULL, residuals, vertex_count, error), error)
-        || check("hmf_conformal_scale", hmf_conformal_scale(foliation, NULL, scale, triangle_count, &unevenness, error),
-                 error)
+    if (check("hmf_residuals", hmf_residuals(foliation, NULL, &residuals, error), error)
+        || check("hmf_conformal_scale", hmf_conformal_scale(foliation, NULL, &scale, error), error)
         || check("hmf_cylinders", hmf_cylinders(foliation, loops, NULL, &cylinders, error), error))
         return 0;
-    hash = hash_reals(residuals, vertex_count) ^ 3 * hash_reals(scale, triangle_count) ^ 5 * hash_reals(&unevenness, 1);
+    hash = hash_reals(residuals->values, vertex_count) ^ 3 * hash_reals(scale->log_scale, triangle_count)
+         ^ 5 * hash_reals(&scale->unevenness, 1);
     for (i = 0; i < cylinders->count; ++i) hash = 7 * hash ^ hash_reals(&cylinders->list[i].circumference, 1);
     print_hash(hash);
+    hmf_free(residuals);
+    hmf_free(scale);
     hmf_free(cylinders);
     return 1;
 }

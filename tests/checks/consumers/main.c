@@ -74,9 +74,11 @@ int main(void) {
     make_torus();
     status = hmf_hierarchy_create(positions, N * M, triangles, 2 * N * M, NULL, NULL, &hierarchy, &error);
     if (status != HMF_OK) return fail("hmf_hierarchy_create", status, &error);
-    if (hmf_genus(hierarchy) != 1) return fail("hmf_genus", HMF_ERROR_INTERNAL, &error);
+    if (hmf_hierarchy_describe(hierarchy)->genus != 1)
+        return fail("hmf_hierarchy_describe", HMF_ERROR_INTERNAL, &error);
 
-    status = hmf_loops(hierarchy, hmf_level_count(hierarchy) - 1, HMF_LOOPS_CUT, NULL, &loops, &error);
+    status =
+        hmf_loops(hierarchy, hmf_hierarchy_describe(hierarchy)->level_count - 1, HMF_LOOPS_CUT, NULL, &loops, &error);
     if (status != HMF_OK) return fail("hmf_loops", status, &error);
     status = hmf_solve(hierarchy, loops, NULL, NULL, &foliation, &error);
     if (status != HMF_OK) return fail("hmf_solve", status, &error);

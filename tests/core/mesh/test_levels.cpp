@@ -207,9 +207,9 @@ TEST(Levels, PositionStride) {
     ASSERT_EQ(hmf_hierarchy_create(wide.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
                                    &options, nullptr, &hierarchy, nullptr),
               HMF_OK);
-    std::vector<double> positions(mesh.positions.size());
-    EXPECT_EQ(hmf_level_positions(hierarchy, 0, positions.data(), positions.size(), nullptr), HMF_OK);
-    EXPECT_EQ(positions, mesh.positions);
+    const auto level =
+        make<hmf_level_mesh>([&](auto out, hmf_error* error) { return hmf_level(hierarchy, 0, nullptr, out, error); });
+    EXPECT_EQ(std::vector<double>(level->positions, level->positions + 3 * level->vertex_count), mesh.positions);
     hmf_hierarchy_destroy(hierarchy);
 }
 
@@ -239,7 +239,7 @@ TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
         {
             const Hierarchy hierarchy(sample.second, options);
             ASSERT_TRUE(hierarchy);
-            EXPECT_EQ(hmf_hierarchy_memory(hierarchy.get()), meter.used);
+            EXPECT_EQ(hmf_hierarchy_describe(hierarchy.get())->memory_bytes, meter.used);
             EXPECT_LE(meter.peak, hmf_hierarchy_memory_estimate(sample.second.vertex_count(),
                                                                 sample.second.triangle_count(), &options));
         }
@@ -248,9 +248,7 @@ TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
 }
 
 TEST(Levels, NothingForNull) {
-    EXPECT_EQ(hmf_level_count(nullptr), 0u);
-    EXPECT_EQ(hmf_genus(nullptr), 0u);
-    EXPECT_EQ(hmf_hierarchy_memory(nullptr), 0u);
+    EXPECT_EQ(hmf_hierarchy_describe(nullptr), nullptr);
     EXPECT_EQ(hmf_hierarchy_memory_estimate(0, 0, nullptr), 0u);
     EXPECT_EQ(hmf_hierarchy_memory_estimate(SIZE_MAX, SIZE_MAX, nullptr), 0u);
     // Of a mesh that numbers of 32 bits can hold.

@@ -97,10 +97,10 @@ void add_design(const TriMesh& mesh, Numbers& to) {
 
 // log |grad u| in the caller's unit, where |grad u| itself may be no double.
 double scale_of_triangle(const hmf_foliation* f, size_t triangles) {
-    std::vector<double> logs(triangles);
-    hmf_error error{};
-    expect_ok(hmf_conformal_scale(f, nullptr, logs.data(), triangles, nullptr, &error), error);
-    return logs[0];
+    const auto scale =
+        make<hmf_scale>([&](hmf_scale** out, hmf_error* error) { return hmf_conformal_scale(f, nullptr, out, error); });
+    EXPECT_EQ(scale->triangle_count, triangles);
+    return scale->log_scale[0];
 }
 
 void add_all(const TriMesh& mesh, int exponent, Numbers& to, double& log_scale) {

@@ -118,7 +118,7 @@ TEST(Boundary, LevelZeroIsTheCallersMesh) {
     const TriMesh mesh = annulus(12, 4, 3, 0.3, 1);
     const Hierarchy hierarchy(mesh);
     ASSERT_TRUE(hierarchy);
-    EXPECT_EQ(hmf_genus(hierarchy.get()), 0u);
+    EXPECT_EQ(hmf_hierarchy_describe(hierarchy.get())->genus, 0u);
     const LevelMesh level = read_level(hierarchy, 0);
     EXPECT_EQ(level.vertex_count, mesh.vertex_count());
     EXPECT_EQ(level.triangle_vertices, mesh.triangles);
@@ -241,7 +241,7 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
             ASSERT_TRUE(cylinders);
             ASSERT_EQ(cylinders->count, set->count);
             for (size_t c = 0; c < set->count; ++c) EXPECT_EQ(cylinders->list[c].height, 1); // exactly
-            const int64_t genus = int64_t(hmf_genus(hierarchy.get())), b = boundary_count(mesh);
+            const int64_t genus = int64_t(hmf_hierarchy_describe(hierarchy.get())->genus), b = boundary_count(mesh);
             EXPECT_EQ(int64_t(set->count), kind == HMF_LOOPS_CUT ? genus + b : 3 * genus - 3 + 2 * b);
         }
         ++solved;
@@ -253,7 +253,7 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
 TEST(Boundary, InterpolatedFromACoarserLevel) {
     const TriMesh mesh = with_holes(torus(96, 48, 3, 1, {true, 1, 0.3, 3}), 3, 1, 4);
     const Hierarchy hierarchy(mesh);
-    ASSERT_GE(hmf_level_count(hierarchy.get()), 2u);
+    ASSERT_GE(hmf_hierarchy_describe(hierarchy.get())->level_count, 2u);
     const Solution s = solve(hierarchy, nullptr, solve_options(0, 0));
     ASSERT_EQ(s.status, HMF_OK) << s.error.message;
     hmf_foliation *coarse = nullptr, *fine = nullptr;
@@ -302,7 +302,7 @@ TEST(Boundary, RandomArcs) {
                 continue;
             }
             ASSERT_EQ(status, HMF_OK) << error.message;
-            expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+            expect_quads_conform(mesh, *quads, int64_t(hmf_hierarchy_describe(hierarchy.get())->genus));
             ++made;
         }
     }

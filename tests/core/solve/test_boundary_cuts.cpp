@@ -157,7 +157,7 @@ TEST(Boundary, CutAlongALeafIsExactOnAPillow) {
             ASSERT_EQ(marks.size(), 2u);
             const Hierarchy half(part, with_marks(marks));
             ASSERT_TRUE(half);
-            EXPECT_EQ(hmf_boundary_count(half.get()), 1u);
+            EXPECT_EQ(hmf_hierarchy_describe(half.get())->boundary_count, 1u);
             const Path rim = boundary_curve(part);
             double height =
                 std::fabs(part.positions[3 * size_t{marks[0]} + 1] - part.positions[3 * size_t{rim[0]} + 1]) / b;
@@ -189,7 +189,7 @@ TEST(Boundary, CutAlongALeafOfATorus) {
     ASSERT_TRUE(simple);
     const Hierarchy annulus(open);
     ASSERT_TRUE(annulus);
-    EXPECT_EQ(hmf_boundary_count(annulus.get()), 2u);
+    EXPECT_EQ(hmf_hierarchy_describe(annulus.get())->boundary_count, 2u);
     Curves along;
     along.add(boundary_curve(open), false);
     const Solution found = solve_curves(annulus, along);

@@ -106,7 +106,8 @@ TEST(Boundary, MemoryLimitIsKept) {
             Calls calls(mesh, options);
             size_t number = 0;
             const hmf_status status = calls.run([&](const std::function<hmf_status(const hmf_control*)>& call) {
-                const uint64_t kept = calls.hierarchy ? meter.used - hmf_hierarchy_memory(calls.hierarchy) : 0;
+                const uint64_t kept =
+                    calls.hierarchy ? meter.used - hmf_hierarchy_describe(calls.hierarchy)->memory_bytes : 0;
                 meter.peak = meter.used;
                 const hmf_status s = call(nullptr);
                 EXPECT_LE(meter.peak - kept, limit) << "call " << number;

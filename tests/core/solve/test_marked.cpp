@@ -120,7 +120,8 @@ void expect_marked_foliation(const Hierarchy& hierarchy, const Marks& marks, con
     // Counted from the definition: a marked vertex counts as a closed corner.
     Indices own = count_indices(mesh, values);
     own.sum -= static_cast<long>(marks.size());
-    const long wanted = 4 - 4 * static_cast<long>(hmf_genus(hierarchy.get())) - static_cast<long>(marks.size());
+    const long wanted =
+        4 - 4 * static_cast<long>(hmf_hierarchy_describe(hierarchy.get())->genus) - static_cast<long>(marks.size());
     EXPECT_EQ(own.sum, wanted);
     EXPECT_LE(own.poles, marks.size());
     const auto set = singularities(foliation);

@@ -39,17 +39,12 @@ Bits bits_of_build(const TriMesh& mesh, const hmf_control* control) {
                                    mesh.triangle_count(), &options, control, &h, &error),
               error);
     Bits bits;
-    for (size_t level = 0; level < hmf_level_count(h); ++level) {
-        hmf_level_info info{};
-        expect_ok(hmf_level_counts(h, level, &info, &error), error);
-        Bits weights(info.edge_count), positions(3 * info.vertex_count);
-        std::vector<uint32_t> ends(2 * info.edge_count);
-        expect_ok(hmf_level_weights(h, level, weights.data(), weights.size(), &error), error);
-        expect_ok(hmf_level_positions(h, level, positions.data(), positions.size(), &error), error);
-        expect_ok(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), &error), error);
-        append(bits, weights.data(), weights.size());
-        append(bits, positions.data(), positions.size());
-        append(bits, ends.data(), ends.size());
+    for (size_t level = 0; level < hmf_hierarchy_describe(h)->level_count; ++level) {
+        const auto mesh =
+            make<hmf_level_mesh>([&](auto out, hmf_error* e) { return hmf_level(h, level, nullptr, out, e); });
+        append(bits, mesh->weights, mesh->edge_count);
+        append(bits, mesh->positions, 3 * mesh->vertex_count);
+        append(bits, mesh->edge_vertices, 2 * mesh->edge_count);
     }
     hmf_hierarchy_destroy(h);
     return bits;

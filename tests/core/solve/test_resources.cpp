@@ -193,7 +193,7 @@ TEST_P(OfEachFunction, MemoryLimitIsKept) {
         const std::string name = function.name;
         // These have a hierarchy of their own: see MemoryLimitOfMeshes.
         if (name == "hmf_components" || name == "hmf_suggest_marks" || name == "hmf_even_design") return;
-        const uint64_t held = hmf_hierarchy_memory(&h);
+        const uint64_t held = hmf_hierarchy_describe(&h)->memory_bytes;
         const auto taken = [&](uint64_t limit, hmf_status& status) {
             if (function.keeps) story.refresh();
             meter.peak = meter.used;
@@ -298,7 +298,7 @@ TEST(Resources, MemoryIsFlat) {
         const Hierarchy hierarchy(pretzel(2, 1), meter.options());
         ASSERT_TRUE(hierarchy);
         const uint64_t held = meter.used;
-        EXPECT_EQ(hmf_hierarchy_memory(hierarchy.get()), held);
+        EXPECT_EQ(hmf_hierarchy_describe(hierarchy.get())->memory_bytes, held);
         for (int round = 0; round < 100; ++round) {
             {
                 const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_WHITEHEAD, 1e-3, 20));
@@ -364,7 +364,7 @@ TEST(Resources, BytesOfASolve) {
         const double edges = static_cast<double>(read_level(hierarchy, 0).edge_count);
         const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
         ASSERT_EQ(solution.status, HMF_OK);
-        const double held = static_cast<double>(hmf_hierarchy_memory(hierarchy.get())) / edges;
+        const double held = static_cast<double>(hmf_hierarchy_describe(hierarchy.get())->memory_bytes) / edges;
         const double beside = static_cast<double>(solution.report.peak_memory_bytes) / edges;
         EXPECT_LT(held + beside, 300) << edges << " edges, held " << held << ", beside " << beside;
     }

@@ -29,7 +29,7 @@ hmf_solve_options newton() { return solve_options(HMF_METHOD_NEWTON, 1e-9); }
 
 // The report says what the queries say: both of the foliation where it is solved.
 void expect_report(const Hierarchy& hierarchy, const Solution& solution, const LevelMesh& mesh) {
-    const long genus = static_cast<long>(hmf_genus(hierarchy.get()));
+    const long genus = static_cast<long>(hmf_hierarchy_describe(hierarchy.get())->genus);
     const hmf_report& report = solution.report;
     if (report.method == HMF_METHOD_NEWTON) EXPECT_EQ(report.converged, solution.status == HMF_OK);
     else EXPECT_EQ(report.converged, report.residual_max <= 1e-8);
@@ -91,7 +91,7 @@ TriMesh wild_torus() { // far from Delaunay
 }
 
 Loops pretzel_loops(const Hierarchy& hierarchy, size_t level) {
-    return plate_loops(hierarchy, level, hmf_genus(hierarchy.get()));
+    return plate_loops(hierarchy, level, hmf_hierarchy_describe(hierarchy.get())->genus);
 }
 
 Loops neck_loops(const Hierarchy& hierarchy, size_t level) {
@@ -342,8 +342,7 @@ TEST(Solve, ReportTellsTheStory) {
     EXPECT_GT(report.peak_memory_bytes, 0u);
     uint64_t sweeps = 0;
     for (size_t k = 0; k < report.level_count; ++k) {
-        hmf_level_info info{};
-        ASSERT_EQ(hmf_level_counts(hierarchy.get(), k, &info, nullptr), HMF_OK);
+        const hmf_level_info& info = hmf_hierarchy_describe(hierarchy.get())->levels[k];
         EXPECT_EQ(report.levels[k].vertices, info.vertex_count);
         EXPECT_EQ(report.levels[k].edges, info.edge_count);
         EXPECT_EQ(report.levels[k].raised_count, info.raised_count);

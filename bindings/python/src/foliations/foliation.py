@@ -284,32 +284,21 @@ class Foliation:
 
         0 everywhere means that this is the unique minimum of the energy.
         """
-        result = np.empty(self._hierarchy.levels[self.level].vertex_count)
-        call(lib.hmf_residuals, self._pointer, pointer(result, "double *"), result.size, progress=progress)
-        return result
+        made = call(lib.hmf_residuals, self._pointer, progress=progress)
+        return view(made, made.values, made.vertex_count)
 
     def conformal_scale(self, *, progress: ProgressOption = None) -> Floats:
         """(triangle_count,) float64: natural logarithm of the length of the gradient on each triangle.
 
         The local scale of a conformal (u, v), in the unit of the values / the unit of the positions.
         """
-        result = np.empty(self._hierarchy.levels[self.level].triangle_count)
-        call(
-            lib.hmf_conformal_scale,
-            self._pointer,
-            pointer(result, "double *"),
-            result.size,
-            ffi.NULL,
-            progress=progress,
-        )
-        return result
+        made = call(lib.hmf_conformal_scale, self._pointer, progress=progress)
+        return view(made, made.log_scale, made.triangle_count)
 
     @property
     def unevenness(self) -> float:
         """Standard deviation of :meth:`conformal_scale` over the surface; 0: the same scale everywhere."""
-        result = ffi.new("double *")
-        call(lib.hmf_conformal_scale, self._pointer, ffi.NULL, 0, result)
-        return float(result[0])
+        return float(call(lib.hmf_conformal_scale, self._pointer).unevenness)
 
     def singularities(self, *, progress: ProgressOption = None) -> Singularities:
         """Zeros and poles, and the marked vertices that are neither."""

@@ -121,11 +121,10 @@ class Level:
     # Python 3.12; here two threads may both make an array, and one is kept.
 
     def __init__(self, hierarchy: Hierarchy, number: int) -> None:
-        info = ffi.new("hmf_level_info *")
-        call(lib.hmf_level_counts, hierarchy._pointer, number, info)
+        info = lib.hmf_hierarchy_describe(hierarchy._pointer).levels[number]
         # Not the Python object, which holds its levels: a cycle would keep the memory.
         self._pointer = hierarchy._pointer
-        self._arrays: dict[Any, NDArray[Any]] = {}
+        self._arrays: dict[str, NDArray[Any]] = {}
         self.number = number
         self.vertex_count = int(info.vertex_count)
         self.edge_count = int(info.edge_count)
@@ -133,32 +132,37 @@ class Level:
         #: Edges whose weight was below the floor and was raised to it.
         self.raised_count = int(info.raised_count)
 
-    def _array(self, function: Any, shape: tuple[int, ...], dtype: Any, ctype: str) -> NDArray[Any]:
-        if function not in self._arrays:
-            result = np.empty(shape, dtype=dtype)
-            call(function, self._pointer, self.number, pointer(result, ctype), result.size)
-            self._arrays.setdefault(function, frozen(result))
-        return self._arrays[function]
+    def _array(self, name: str) -> NDArray[Any]:
+        if not self._arrays:
+            mesh = call(lib.hmf_level, self._pointer, self.number)
+            self._arrays = {
+                "positions": view(mesh, mesh.positions, self.vertex_count, 3),
+                "edge_vertices": view(mesh, mesh.edge_vertices, self.edge_count, 2),
+                "triangle_vertices": view(mesh, mesh.triangle_vertices, self.triangle_count, 3),
+                "triangle_edges": view(mesh, mesh.triangle_edges, self.triangle_count, 3),
+                "weights": view(mesh, mesh.weights, self.edge_count),
+            }
+        return self._arrays[name]
 
     @property
     def positions(self) -> Floats:
         """(vertex_count, 3) float64, in the unit of the input."""
-        return self._array(lib.hmf_level_positions, (self.vertex_count, 3), np.float64, "double *")
+        return self._array("positions")
 
     @property
     def edges(self) -> Indices:
         """(edge_count, 2) uint32: the vertices of each edge.  On coarse levels two vertices may have several edges."""
-        return self._array(lib.hmf_level_edge_vertices, (self.edge_count, 2), np.uint32, "uint32_t *")
+        return self._array("edge_vertices")
 
     @property
     def triangles(self) -> Indices:
         """(triangle_count, 3) uint32: the vertices of each triangle."""
-        return self._array(lib.hmf_level_triangle_vertices, (self.triangle_count, 3), np.uint32, "uint32_t *")
+        return self._array("triangle_vertices")
 
     @property
     def triangle_edges(self) -> Indices:
         """(triangle_count, 3) uint32: side s of a triangle joins its corners s and s + 1."""
-        return self._array(lib.hmf_level_triangle_edges, (self.triangle_count, 3), np.uint32, "uint32_t *")
+        return self._array("triangle_edges")
 
     @property
     def weights(self) -> Floats:
@@ -167,7 +171,7 @@ class Level:
         On level 0 those of your triangulation, which may be negative; the
         solver uses the intrinsic Delaunay triangulation instead.
         """
-        return self._array(lib.hmf_level_weights, (self.edge_count,), np.float64, "double *")
+        return self._array("weights")
 
     def __repr__(self) -> str:
         counts = f"{self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles"
@@ -278,7 +282,9 @@ class Hierarchy:
             if suggests:
                 self._options["marked_vertices"] = _suggested(points, corners, error, limits)
             self._pointer = build()
-        self._levels = tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
+        # Valid as long as the pointer.
+        self._info = lib.hmf_hierarchy_describe(self._pointer)
+        self._levels = tuple(Level(self, number) for number in range(self._info.level_count))
         if self.boundary_count:
             self._look_at_boundaries(closed)
 
@@ -355,7 +361,7 @@ class Hierarchy:
     @property
     def genus(self) -> int:
         """Genus of the surface; 0 only with marked vertices."""
-        return int(lib.hmf_genus(self._pointer))
+        return int(self._info.genus)
 
     @property
     def marked_vertices(self) -> Indices:
@@ -366,12 +372,12 @@ class Hierarchy:
     @property
     def boundary_count(self) -> int:
         """Number of boundary curves."""
-        return int(lib.hmf_boundary_count(self._pointer))
+        return int(self._info.boundary_count)
 
     @property
     def memory(self) -> int:
         """Bytes held by the hierarchy."""
-        return int(lib.hmf_hierarchy_memory(self._pointer))
+        return int(self._info.memory_bytes)
 
     def loops(self, kind: LoopsKind = "cut", *, level: int | None = None, progress: ProgressOption = None) -> Loops:
         """Loops made by the library, as loops of triangles.

@@ -197,6 +197,45 @@ pub struct hmf_level_info {
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
+pub struct hmf_hierarchy_info {
+    pub level_count: u64,
+    pub genus: u64,
+    pub boundary_count: u64,
+    pub memory_bytes: u64,
+    pub levels: *const hmf_level_info,
+}
+impl Default for hmf_hierarchy_info {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_level_mesh {
+    pub vertex_count: u64,
+    pub edge_count: u64,
+    pub triangle_count: u64,
+    pub positions: *const f64,
+    pub edge_vertices: *const u32,
+    pub triangle_vertices: *const u32,
+    pub triangle_edges: *const u32,
+    pub weights: *const f64,
+}
+impl Default for hmf_level_mesh {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
 pub struct hmf_loop_set {
     pub struct_size: u32,
     pub element_kind: i32,
@@ -284,6 +323,21 @@ pub struct hmf_report {
     pub class_seconds: f64,
 }
 impl Default for hmf_report {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_residual_set {
+    pub vertex_count: u64,
+    pub values: *const f64,
+}
+impl Default for hmf_residual_set {
     fn default() -> Self {
         let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
         unsafe {
@@ -481,6 +535,22 @@ impl Default for hmf_parameterization {
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
+pub struct hmf_scale {
+    pub triangle_count: u64,
+    pub log_scale: *const f64,
+    pub unevenness: f64,
+}
+impl Default for hmf_scale {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
 pub struct hmf_trace_options {
     pub struct_size: u32,
     pub critical: i32,
@@ -650,49 +720,14 @@ extern "C" {
         triangle_count: usize,
         options: *const hmf_hierarchy_options,
     ) -> u64;
-    pub fn hmf_hierarchy_memory(hierarchy: *const hmf_hierarchy) -> u64;
-    pub fn hmf_level_count(hierarchy: *const hmf_hierarchy) -> usize;
-    pub fn hmf_genus(hierarchy: *const hmf_hierarchy) -> usize;
-    pub fn hmf_boundary_count(hierarchy: *const hmf_hierarchy) -> usize;
-    pub fn hmf_level_counts(
+    pub fn hmf_hierarchy_describe(
+        hierarchy: *const hmf_hierarchy,
+    ) -> *const hmf_hierarchy_info;
+    pub fn hmf_level(
         hierarchy: *const hmf_hierarchy,
         level: usize,
-        out: *mut hmf_level_info,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_level_edge_vertices(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        edge_vertices: *mut u32,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_level_triangle_edges(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        triangle_edges: *mut u32,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_level_triangle_vertices(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        triangle_vertices: *mut u32,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_level_weights(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        weights: *mut f64,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-    pub fn hmf_level_positions(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        positions: *mut f64,
-        capacity: usize,
+        control: *const hmf_control,
+        out: *mut *mut hmf_level_mesh,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_foliation_from_loops(
@@ -751,8 +786,7 @@ extern "C" {
     pub fn hmf_residuals(
         foliation: *const hmf_foliation,
         control: *const hmf_control,
-        residuals: *mut f64,
-        capacity: usize,
+        out: *mut *mut hmf_residual_set,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_singularities(
@@ -816,9 +850,7 @@ extern "C" {
     pub fn hmf_conformal_scale(
         foliation: *const hmf_foliation,
         control: *const hmf_control,
-        log_scale: *mut f64,
-        capacity: usize,
-        unevenness: *mut f64,
+        out: *mut *mut hmf_scale,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_trace(

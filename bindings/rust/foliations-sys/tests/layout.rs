@@ -32,7 +32,10 @@ fn sizes_agree() {
     let sizes = unsafe {
         let (mut hierarchy, mut foliation) = (null_mut(), null_mut());
         let (positions, triangles) = (POSITIONS.as_ptr(), TRIANGLES.as_ptr());
-        assert_eq!(hmf_hierarchy_create(positions, 7, triangles, 14, null(), null(), &mut hierarchy, null_mut()), HMF_OK);
+        assert_eq!(
+            hmf_hierarchy_create(positions, 7, triangles, 14, null(), null(), &mut hierarchy, null_mut()),
+            HMF_OK
+        );
         assert_eq!(hmf_solve_cut_system(hierarchy, null(), null(), &mut foliation, null_mut()), HMF_OK);
         let sizes = [
             size!(hmf_component_set, hmf_components(positions, 7, triangles, 14, null())),

@@ -16,7 +16,8 @@ fn raw(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     unsafe {
         let (x, t) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
         let (all, none, no_error) = (ptr::null(), ptr::null(), ptr::null_mut());
-        let built = sys::hmf_hierarchy_create(x, positions.len(), t, triangles.len(), all, none, &mut hierarchy, no_error);
+        let built =
+            sys::hmf_hierarchy_create(x, positions.len(), t, triangles.len(), all, none, &mut hierarchy, no_error);
         assert_eq!(built, sys::HMF_OK);
         let solved = sys::hmf_solve_cut_system(hierarchy, ptr::null(), none, &mut foliation, no_error);
         assert_eq!(solved, sys::HMF_OK);

@@ -142,12 +142,11 @@ impl Foliation {
     ///
     /// [`Status::ERROR_VALUE_POLE`], [`Status::CANCELLED`], class 200.
     pub fn residuals(&self) -> Result<Vec<f64>> {
-        let mut residuals = vec![0.0; self.hierarchy.level(self.level())?.vertex_count];
-        // SAFETY: the array is given with its length.
-        call(|control, error| unsafe {
-            sys::hmf_residuals(self.as_ptr(), control, residuals.as_mut_ptr(), residuals.len(), error)
-        })?;
-        Ok(residuals)
+        // SAFETY: the handle is valid.
+        let block: Owned<sys::hmf_residual_set> =
+            make(|out, control, error| unsafe { sys::hmf_residuals(self.as_ptr(), control, out, error) })?;
+        // SAFETY: the array has so many entries.
+        Ok(unsafe { slice(block.values, block.vertex_count) }.to_vec())
     }
 
     /// Natural logarithm of the length of the gradient on each triangle: by how much
@@ -158,13 +157,14 @@ impl Foliation {
     ///
     /// [`Status::CANCELLED`], class 200.
     pub fn conformal_scale(&self) -> Result<Vec<f64>> {
-        let mut scale = vec![0.0; self.hierarchy.level(self.level())?.triangle_count];
-        let nowhere = std::ptr::null_mut();
-        // SAFETY: the array is given with its length.
-        call(|control, error| unsafe {
-            sys::hmf_conformal_scale(self.as_ptr(), control, scale.as_mut_ptr(), scale.len(), nowhere, error)
-        })?;
-        Ok(scale)
+        let block = self.scale()?;
+        // SAFETY: the array has so many entries.
+        Ok(unsafe { slice(block.log_scale, block.triangle_count) }.to_vec())
+    }
+
+    fn scale(&self) -> Result<Owned<sys::hmf_scale>> {
+        // SAFETY: the handle is valid.
+        make(|out, control, error| unsafe { sys::hmf_conformal_scale(self.as_ptr(), control, out, error) })
     }
 
     /// Standard deviation of [`conformal_scale`](Foliation::conformal_scale) over the
@@ -174,12 +174,7 @@ impl Foliation {
     ///
     /// [`Status::CANCELLED`], class 200.
     pub fn unevenness(&self) -> Result<f64> {
-        let (mut unevenness, nowhere) = (0.0, std::ptr::null_mut());
-        // SAFETY: the handle and the output are valid.
-        call(|control, error| unsafe {
-            sys::hmf_conformal_scale(self.as_ptr(), control, nowhere, 0, &mut unevenness, error)
-        })?;
-        Ok(unevenness)
+        Ok(self.scale()?.unevenness)
     }
 
     /// Zeros and poles, and the index of each vertex and triangle. The indices add

@@ -4,7 +4,7 @@ use crate::boundaries::{curves, hole_warning, Used};
 use crate::error::{Error, Result, Status};
 use crate::loops::Loops;
 use crate::memory;
-use crate::owned::{call, make, slice, Made, Owned};
+use crate::owned::{make, slice, Made, Owned};
 use crate::progress::{Closure, Progress};
 use crate::ranges::Refusal;
 use crate::records::{codes, options, record, Read};
@@ -411,16 +411,19 @@ impl Hierarchy {
         self.parts.handle.as_ptr()
     }
 
+    fn info(&self) -> &sys::hmf_hierarchy_info {
+        // SAFETY: the handle is valid, and what it says of itself lives as long.
+        unsafe { &*sys::hmf_hierarchy_describe(self.as_ptr()) }
+    }
+
     /// Bytes held by the hierarchy.
     pub fn memory(&self) -> u64 {
-        // SAFETY: the handle is valid.
-        unsafe { sys::hmf_hierarchy_memory(self.as_ptr()) }
+        self.info().memory_bytes
     }
 
     /// Number of levels, at least 1.
     pub fn level_count(&self) -> usize {
-        // SAFETY: the handle is valid.
-        unsafe { sys::hmf_level_count(self.as_ptr()) }
+        self.info().level_count as usize
     }
 
     /// The coarsest level, `level_count() - 1`.
@@ -430,14 +433,12 @@ impl Hierarchy {
 
     /// Genus of the surface; 0 only with marked vertices.
     pub fn genus(&self) -> usize {
-        // SAFETY: the handle is valid.
-        unsafe { sys::hmf_genus(self.as_ptr()) }
+        self.info().genus as usize
     }
 
     /// Number of closed curves that the boundary consists of.
     pub fn boundary_count(&self) -> usize {
-        // SAFETY: the handle is valid.
-        unsafe { sys::hmf_boundary_count(self.as_ptr()) }
+        self.info().boundary_count as usize
     }
 
     /// The vertices of each boundary curve, in their order along it.
@@ -470,10 +471,18 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn level(&self, level: usize) -> Result<LevelInfo> {
-        let mut info = sys::hmf_level_info::default();
-        // SAFETY: the handle and the output are valid.
-        call(|_, error| unsafe { sys::hmf_level_counts(self.as_ptr(), level, &mut info, error) })?;
-        Ok(info.read())
+        let info = self.info();
+        // SAFETY: the header gives so many rows.
+        let levels = unsafe { slice(info.levels, info.level_count) };
+        levels.get(level).map(Read::read).ok_or_else(|| {
+            let message = format!("There is no level {level}; the hierarchy has {}, counted from 0.", levels.len());
+            Error::new(Status::ERROR_LEVEL, message)
+        })
+    }
+
+    fn mesh(&self, level: usize) -> Result<Owned<sys::hmf_level_mesh>> {
+        // SAFETY: the handle is valid.
+        make(|out, control, error| unsafe { sys::hmf_level(self.as_ptr(), level, control, out, error) })
     }
 
     /// The two vertices of each edge. On coarse levels two vertices may have
@@ -483,7 +492,9 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn edge_vertices(&self, level: usize) -> Result<Vec<[u32; 2]>> {
-        self.fill(level, self.level(level)?.edge_count, sys::hmf_level_edge_vertices)
+        let mesh = self.mesh(level)?;
+        // SAFETY: the array has so many entries of this layout.
+        Ok(unsafe { slice(mesh.edge_vertices.cast::<[u32; 2]>(), mesh.edge_count) }.to_vec())
     }
 
     /// The three edges of each triangle; side s joins its corners s and s + 1.
@@ -492,7 +503,9 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn triangle_edges(&self, level: usize) -> Result<Vec<[u32; 3]>> {
-        self.fill(level, self.level(level)?.triangle_count, sys::hmf_level_triangle_edges)
+        let mesh = self.mesh(level)?;
+        // SAFETY: the array has so many entries of this layout.
+        Ok(unsafe { slice(mesh.triangle_edges.cast::<[u32; 3]>(), mesh.triangle_count) }.to_vec())
     }
 
     /// The three vertices of each triangle, corners in the order of the sides of
@@ -502,7 +515,9 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn triangle_vertices(&self, level: usize) -> Result<Vec<[u32; 3]>> {
-        self.fill(level, self.level(level)?.triangle_count, sys::hmf_level_triangle_vertices)
+        let mesh = self.mesh(level)?;
+        // SAFETY: the array has so many entries of this layout.
+        Ok(unsafe { slice(mesh.triangle_vertices.cast::<[u32; 3]>(), mesh.triangle_count) }.to_vec())
     }
 
     /// The weight of each edge, half the sum of the two opposite cotangents,
@@ -513,8 +528,9 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn weights(&self, level: usize) -> Result<Vec<f64>> {
-        let weights = self.fill(level, self.level(level)?.edge_count, sys::hmf_level_weights)?;
-        Ok(weights.into_iter().map(|[weight]| weight).collect())
+        let mesh = self.mesh(level)?;
+        // SAFETY: the array has so many entries of this layout.
+        Ok(unsafe { slice(mesh.weights.cast::<f64>(), mesh.edge_count) }.to_vec())
     }
 
     /// The position of each vertex, in the unit of the input.
@@ -523,26 +539,9 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn positions(&self, level: usize) -> Result<Vec<[f64; 3]>> {
-        self.fill(level, self.level(level)?.vertex_count, sys::hmf_level_positions)
-    }
-
-    /// An array of `count` times `N` numbers from one of the functions `hmf_level_*`.
-    fn fill<T: Copy + Default, const N: usize>(
-        &self,
-        level: usize,
-        count: usize,
-        get: unsafe extern "C" fn(
-            *const sys::hmf_hierarchy,
-            usize,
-            *mut T,
-            usize,
-            *mut sys::hmf_error,
-        ) -> sys::hmf_status,
-    ) -> Result<Vec<[T; N]>> {
-        let mut array = vec![[T::default(); N]; count];
-        // SAFETY: the capacity is the number of elements of type T in the array.
-        call(|_, error| unsafe { get(self.as_ptr(), level, array.as_mut_ptr().cast(), N * count, error) })?;
-        Ok(array)
+        let mesh = self.mesh(level)?;
+        // SAFETY: the array has so many entries of this layout.
+        Ok(unsafe { slice(mesh.positions.cast::<[f64; 3]>(), mesh.vertex_count) }.to_vec())
     }
 }
 

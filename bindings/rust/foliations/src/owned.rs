@@ -18,6 +18,9 @@ pub(crate) trait Made {
 }
 
 impl Made for sys::hmf_component_set {}
+impl Made for sys::hmf_level_mesh {}
+impl Made for sys::hmf_residual_set {}
+impl Made for sys::hmf_scale {}
 impl Made for sys::hmf_mark_set {}
 impl Made for sys::hmf_loop_set {}
 impl Made for sys::hmf_design {}
