@@ -146,38 +146,31 @@ SOURCES = {
     "Rust": sorted((BINDINGS / "rust/foliations/src").glob("**/*.rs")),
 }
 NAMES = """
-hmf_version                    -                            __version__              version                  version
-hmf_status_string              Error                        Error                    statusText               Error
-hmf_free                       -                            -                        -                        -
-hmf_hierarchy_create           Hierarchy                    Hierarchy                Hierarchy                Hierarchy.build
-hmf_suggest_marks              Hierarchy.suggest_marks      suggest_marks            suggestMarks             suggest_marks
-hmf_hierarchy_destroy          -                            -                        Hierarchy.dispose        -
-hmf_hierarchy_memory_estimate  Hierarchy.memory_estimate    memory_estimate          memoryEstimate           memory_estimate
-hmf_hierarchy_memory           Hierarchy.memory             Hierarchy.memory         Hierarchy.memoryBytes    Hierarchy.memory
-hmf_level_count                Hierarchy.level_count        Hierarchy.levels         Hierarchy.levels         Hierarchy.level_count
-hmf_genus                      Hierarchy.genus              Hierarchy.genus          Hierarchy.genus          Hierarchy.genus
-hmf_level_counts               Hierarchy.level              Level                    Level                    Hierarchy.level
-hmf_level_edge_vertices        Hierarchy.edge_vertices      Level.edges              Level.edgeVertices       Level.edge_vertices
-hmf_level_triangle_edges       Hierarchy.triangle_edges     Level.triangle_edges     Level.triangleEdges      Level.triangle_edges
-hmf_level_triangle_vertices    Hierarchy.triangle_vertices  Level.triangles          Level.triangleVertices   Level.triangle_vertices
-hmf_level_weights              Hierarchy.weights            Level.weights            Level.weights            Level.weights
-hmf_level_positions            Hierarchy.positions          Level.positions          Level.positions          Level.positions
-hmf_loops                      Hierarchy.loops              Hierarchy.loops          Hierarchy.loops          Hierarchy.loops
-hmf_foliation_from_loops       Hierarchy.initialize         Hierarchy.initialize     Hierarchy.initialize     Hierarchy.initialize
-hmf_foliation_from_values      Hierarchy.foliation          Hierarchy.foliation      Hierarchy.foliation      Hierarchy.foliation
-hmf_foliation_destroy          -                            -                        Foliation.dispose        -
-hmf_foliation_report           Solution.report              Foliation.report         Foliation.report         Foliation.report
-hmf_solve                      Hierarchy.solve              Hierarchy.solve          Hierarchy.solve          Hierarchy.solve
-hmf_relax                      Foliation.relax              Foliation.relax          Foliation.relax          Foliation.relax
-hmf_interpolate                Foliation.to_level           Foliation.interpolate    Foliation.interpolate    Foliation.interpolate
-hmf_energy                     Foliation.energy             Foliation.energy         Foliation.energy         Foliation.energy
-hmf_residuals                  Foliation.residuals          Foliation.residuals      Foliation.residuals      Foliation.residuals
-hmf_singularities              Foliation.singularities      Foliation.singularities  Foliation.singularities  Foliation.singularities
-hmf_parameterize               parameterize                 Foliation.parameterize   Foliation.parameterize   Foliation.parameterize
-hmf_trace                      trace                        Foliation.trace          Foliation.trace          Foliation.trace
-hmf_cylinders                  cylinders                    Foliation.cylinders      Foliation.cylinders      Foliation.cylinders
-hmf_quads                      quads                        Foliation.quads          Foliation.quads          Foliation.quads
-hmf_atlas                      atlas                        Foliation.atlas          Foliation.atlas          Foliation.atlas
+hmf_version                    -                          __version__              version                  version
+hmf_status_string              Error                      Error                    statusText               Error
+hmf_free                       -                          -                        -                        -
+hmf_hierarchy_create           Hierarchy                  Hierarchy                Hierarchy                Hierarchy.build
+hmf_suggest_marks              Hierarchy.suggest_marks    suggest_marks            suggestMarks             suggest_marks
+hmf_hierarchy_destroy          -                          -                        Hierarchy.dispose        -
+hmf_hierarchy_memory_estimate  Hierarchy.memory_estimate  memory_estimate          memoryEstimate           memory_estimate
+hmf_hierarchy_describe         Hierarchy.level            Hierarchy.levels         Hierarchy.levels         Hierarchy.level
+hmf_level                      Hierarchy.mesh             Level                    Level                    Hierarchy.edge_vertices
+hmf_loops                      Hierarchy.loops            Hierarchy.loops          Hierarchy.loops          Hierarchy.loops
+hmf_foliation_from_loops       Hierarchy.initialize       Hierarchy.initialize     Hierarchy.initialize     Hierarchy.initialize
+hmf_foliation_from_values      Hierarchy.foliation        Hierarchy.foliation      Hierarchy.foliation      Hierarchy.foliation
+hmf_foliation_destroy          -                          -                        Foliation.dispose        -
+hmf_foliation_report           Solution.report            Foliation.report         Foliation.report         Foliation.report
+hmf_solve                      Hierarchy.solve            Hierarchy.solve          Hierarchy.solve          Hierarchy.solve
+hmf_relax                      Foliation.relax            Foliation.relax          Foliation.relax          Foliation.relax
+hmf_interpolate                Foliation.to_level         Foliation.interpolate    Foliation.interpolate    Foliation.interpolate
+hmf_energy                     Foliation.energy           Foliation.energy         Foliation.energy         Foliation.energy
+hmf_residuals                  Foliation.residuals        Foliation.residuals      Foliation.residuals      Foliation.residuals
+hmf_singularities              Foliation.singularities    Foliation.singularities  Foliation.singularities  Foliation.singularities
+hmf_parameterize               parameterize               Foliation.parameterize   Foliation.parameterize   Foliation.parameterize
+hmf_trace                      trace                      Foliation.trace          Foliation.trace          Foliation.trace
+hmf_cylinders                  cylinders                  Foliation.cylinders      Foliation.cylinders      Foliation.cylinders
+hmf_quads                      quads                      Foliation.quads          Foliation.quads          Foliation.quads
+hmf_atlas                      atlas                      Foliation.atlas          Foliation.atlas          Foliation.atlas
 """
 
 

@@ -29,7 +29,7 @@ test('every structure of the headers has its fields in order, and JavaScript kno
     // Of C alone (a module has one thread); arrays of JavaScript know their length.
     const internal = ['struct_size', 'allocate', 'release', 'allocator_user', 'position_stride', 'progress_user', 'reserved', 'workers', 'parallel_for', 'parallel_user'];
     const otherwise = ['hmf_report.level_count', 'hmf_report.history_count', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
-        'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics', 'hmf_lines.line_count',
+        'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics', 'hmf_lines.line_count', 'hmf_hierarchy_info.level_count', 'hmf_scale.log_scale',
         'hmf_lines.point_count', 'hmf_lines.lines', 'hmf_lines.offsets', 'hmf_lines.point_edges', 'hmf_singularity_set.count', 'hmf_cylinder_set.count', 'hmf_quad_mesh.quad_count',
         'hmf_hierarchy_options.marked_count', 'hmf_mark_set.count', 'hmf_design.marked_count',
         // A component has its parts of these arrays.
