@@ -197,6 +197,7 @@ LoopList draw_loops(const std::string& picked, const TriangleMesh& mesh) {
         }
         loops.offsets.push_back(loops.elements.size());
         loops.arcs.push_back(0);
+        loops.arc_sides.insert(loops.arc_sides.end(), 2, HMF_NONE);
         loops.lines.push_back(number);
     }
     if (loops.count() == 0) refuse_points("nothing is picked; give vertices or places X,Y,Z, separated by blanks");

@@ -62,8 +62,7 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
             prefix.size() == 4 && prefix.compare(0, 2, "at") == 0 && is_side(prefix[2]) && is_side(prefix[3]);
         const bool is_arc = prefix == "a" || prefix == "at" || has_sides;
         const bool is_named = colon != stop && (is_arc || prefix == "t" || prefix == "v");
-        // As in hmf_loop_set.
-        const int arc = !is_named || !is_arc ? 0 : has_sides ? 1 + 2 * (prefix[2] - '/') + 8 * (prefix[3] - '/') : 1;
+        const bool arc = is_named && is_arc;
         if (is_named) {
             kind = prefix == "a" || prefix == "v" ? HMF_PATH_VERTICES : HMF_PATH_TRIANGLES;
             at = colon + 1;
@@ -94,11 +93,13 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         if (loops.elements.size() == loops.offsets.back())
             throw Failure(EXIT_BAD_INPUT, where + "a loop without elements");
         // A path that repeats its first element at the end means the same loop.
-        if (arc == 0 && loops.elements.size() > loops.offsets.back() + 1
+        if (!arc && loops.elements.size() > loops.offsets.back() + 1
             && loops.elements.back() == loops.elements[loops.offsets.back()])
             loops.elements.pop_back();
         loops.offsets.push_back(loops.elements.size());
-        loops.arcs.push_back(static_cast<uint8_t>(arc));
+        loops.arcs.push_back(arc);
+        for (const size_t end : {2, 3})
+            loops.arc_sides.push_back(arc && has_sides ? static_cast<uint32_t>(prefix[end] - '0') : HMF_NONE);
         loops.lines.push_back(line);
     }
     if (loops.weights.size() != loops.count()) loops.weights.clear(); // of other loops

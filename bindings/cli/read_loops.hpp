@@ -13,12 +13,14 @@ struct LoopList {
     int32_t element_kind = HMF_PATH_TRIANGLES;
     std::vector<uint64_t> offsets{0};
     std::vector<uint32_t> elements;
-    std::vector<uint8_t> arcs;   // one per loop: it is one
-    std::vector<size_t> lines;   // of the file, one per loop
-    std::vector<double> weights; // of the file; empty: none
+    std::vector<uint8_t> arcs;       // one per loop: it is one
+    std::vector<uint32_t> arc_sides; // two per loop, as in hmf_loop_set
+    std::vector<size_t> lines;       // of the file, one per loop
+    std::vector<double> weights;     // of the file; empty: none
     size_t count() const { return offsets.size() - 1; }
     hmf_loop_set view() const {
-        return {sizeof(hmf_loop_set), element_kind, 0, count(), offsets.data(), elements.data(), nullptr, arcs.data()};
+        return {sizeof(hmf_loop_set), element_kind, 0,           count(),         offsets.data(),
+                elements.data(),      nullptr,      arcs.data(), arc_sides.data()};
     }
 };
 

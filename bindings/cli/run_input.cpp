@@ -149,6 +149,7 @@ void Run::take_loops() {
         }
         list.offsets.push_back(list.elements.size());
         list.arcs.push_back(read_.arcs[loop]);
+        for (const size_t end : {0, 1}) list.arc_sides.push_back(read_.arc_sides[2 * loop + end]);
         list.lines.push_back(read_.lines[loop]);
         loop_numbers_[component].push_back(loop);
     }
@@ -209,6 +210,8 @@ hmf_loop_set Run::fine_loops() {
                     read_.elements.push_back(c.whole_triangle(own.elements[i]));
                 read_.offsets.push_back(read_.elements.size());
                 read_.arcs.push_back(own.arcs ? own.arcs[n] : 0);
+                for (const size_t end : {0, 1})
+                    read_.arc_sides.push_back(own.arc_sides ? own.arc_sides[2 * n + end] : HMF_NONE);
             }
         }
     return read_.view();

@@ -52,8 +52,10 @@ void write_loops(const std::string& path, const hmf_loop_set& loops, const std::
     for (size_t c = 0; c < weights.size(); ++c) std::fprintf(output.file(), c ? ",%.17g" : "%.17g", weights[c]);
     for (uint64_t c = 0; c < loops.count; ++c) {
         const bool triangles = loops.element_kind == HMF_PATH_TRIANGLES;
-        const int arc = loops.arcs ? loops.arcs[c] : 0;
-        if (arc > 1 && triangles) std::fprintf(output.file(), "\nat%d%d:", (arc >> 1 & 3) - 1, (arc >> 3 & 3) - 1);
+        const bool arc = loops.arcs && loops.arcs[c];
+        const uint32_t* const sides = arc && triangles && loops.arc_sides ? loops.arc_sides + 2 * c : nullptr;
+        if (sides && sides[0] != HMF_NONE && sides[1] != HMF_NONE)
+            std::fprintf(output.file(), "\nat%u%u:", sides[0], sides[1]);
         else std::fprintf(output.file(), arc ? triangles ? "\nat:" : "\na:" : triangles ? "\nt:" : "\nv:");
         for (uint64_t i = loops.offsets[c]; i < loops.offsets[c + 1]; ++i)
             std::fprintf(output.file(), " %u", loops.elements[i]);

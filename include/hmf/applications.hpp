@@ -225,7 +225,12 @@ public:
                 on = k;
                 elements.push_back(number[element]);
             }
-            if (on != HMF_NONE) parts[on].add(elements, whole.weights[c], !whole.arcs.empty() && whole.arcs[c]);
+            if (on == HMF_NONE) continue;
+            Loops& own = parts[on];
+            own.add(elements, whole.weights[c], !whole.arcs.empty() && whole.arcs[c]);
+            if (whole.arc_sides.empty()) continue;
+            own.arc_sides.resize(2 * own.size() - 2, HMF_NONE);
+            own.arc_sides.insert(own.arc_sides.end(), &whole.arc_sides[2 * c], &whole.arc_sides[2 * c] + 2);
         }
         return parts;
     }

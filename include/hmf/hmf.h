@@ -386,9 +386,10 @@ typedef struct hmf_loop_set {
     const uint32_t *elements;    /* offsets[count] */
     const double *weights;       /* count, from 1e-100 to below 1e100, within a factor of 2^20; NULL = all 1 */
     const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie
-                                    at the boundary; NULL = all are closed.  1 + 2 * a + 8 * b: an arc of triangles
-                                    that begins at side a - 1 of its first triangle and ends at side b - 1 of the last
-                                    one; a, b = 0: at the first side on the boundary */
+                                    at the boundary; NULL = all are closed */
+    const uint32_t *arc_sides;   /* count x 2, for arcs of triangles: the side of the first triangle, 0 to 2, where the
+                                    arc begins, and that of the last one where it ends; HMF_NONE: at the first side on
+                                    the boundary, as everywhere if this is NULL */
 } hmf_loop_set;
 
 /*

@@ -158,6 +158,7 @@ struct Loops {
     std::vector<uint32_t> elements;
     std::vector<double> weights; /* size() */
     std::vector<uint8_t> arcs;   /* size(), not 0 = from boundary to boundary; or empty: all are closed */
+    std::vector<uint32_t> arc_sides; /* 2 size(): where arcs of triangles begin and end, see hmf_loop_set; or empty */
 
     std::size_t size() const noexcept { return offsets.empty() ? 0 : offsets.size() - 1; }
     Span<uint32_t> operator[](std::size_t loop) const {
@@ -169,6 +170,7 @@ struct Loops {
         offsets.push_back(elements.size());
         weights.push_back(weight);
         if (is_arc || !arcs.empty()) arcs.push_back(is_arc);
+        if (!arc_sides.empty()) arc_sides.resize(2 * size(), HMF_NONE);
     }
     void add(std::initializer_list<uint32_t> loop, double weight = 1) {
         add(Span<uint32_t>(loop.begin(), loop.size()), weight);
@@ -305,6 +307,7 @@ inline hmf_loop_set raw(const Loops& loops) {
     };
     check(loops.weights.size(), loops.size(), "weights of loops");
     if (!loops.arcs.empty()) check(loops.arcs.size(), loops.size(), "entries of arcs");
+    if (!loops.arc_sides.empty()) check(loops.arc_sides.size(), 2 * loops.size(), "sides of arcs");
     if (!loops.offsets.empty()) check(loops.elements.size(), loops.offsets.back(), "elements of loops");
     hmf_loop_set set = {};
     set.struct_size = sizeof set;
@@ -315,6 +318,7 @@ inline hmf_loop_set raw(const Loops& loops) {
     set.elements = loops.elements.data();
     set.weights = loops.weights.data();
     if (!loops.arcs.empty()) set.arcs = loops.arcs.data();
+    if (!loops.arc_sides.empty()) set.arc_sides = loops.arc_sides.data();
     return set;
 }
 
@@ -328,6 +332,7 @@ inline Loops own(const hmf_loop_set& set) {
     loops.weights.assign(static_cast<std::size_t>(set.count), 1.0);
     if (set.weights) loops.weights.assign(set.weights, set.weights + set.count);
     if (set.arcs) loops.arcs.assign(set.arcs, set.arcs + set.count);
+    if (set.arc_sides) loops.arc_sides.assign(set.arc_sides, set.arc_sides + 2 * set.count);
     return loops;
 }
 

@@ -61,7 +61,8 @@ std::vector<double> kept(const TriMesh& mesh) {
     DoubledLoops doubled;
     EXPECT_EQ(surface_loops(h, HMF_LOOPS_PANTS, call, found), HMF_OK);
     const SurfaceLoops loops = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
-                                found.triangles.data(), found.arcs.data(), found.is_round.data()};
+                                found.triangles.data(), found.arcs.data(), found.arc_sides.data(),
+                                found.is_round.data()};
     EXPECT_EQ(double_loops(h, loops, call, doubled), HMF_OK);
     EXPECT_EQ(check_loops(h.input, doubled.loops, call, nullptr), HMF_OK);
     const LoopsOfDouble of_double = {doubled.loops, doubled.of, doubled.factor, found.count()};

@@ -42,12 +42,12 @@ export function components(module, positions, triangles, options) {
 
 /** Loops of the whole mesh: for each component those on it, in its numbers. */
 function splitLoops(divided, set) {
-    const given = optionsOf(set, 'loops', ['elementKind', 'level', 'loops', 'weights', 'arcs']);
+    const given = optionsOf(set, 'loops', ['elementKind', 'level', 'loops', 'weights', 'arcs', 'arcSides']);
     if (!Array.isArray(given.loops)) throw new TypeError('loops.loops is missing or not an array; give one array of indices for each loop.');
     if ((given.level ?? 0) !== 0) throw new TypeError(`loops.level is ${given.level}; loops of several components are of level 0.`);
     const name = given.elementKind === 'triangles' ? 'triangle' : 'vertex';
     const component = divided[`${name}Component`], number = divided[`${name}Part`];
-    const parts = divided.components.map(() => ({ elementKind: given.elementKind, loops: [], weights: [], arcs: [] }));
+    const parts = divided.components.map(() => ({ elementKind: given.elementKind, loops: [], weights: [], arcs: [], arcSides: [] }));
     given.loops.forEach((loop, i) => {
         const on = new Set(Array.from(numbers(loop, `loops.loops[${i}]`), element => component[element] ?? constants.HMF_NONE));
         const [k] = on;
@@ -55,6 +55,7 @@ function splitLoops(divided, set) {
         parts[k].loops.push(Uint32Array.from(loop, element => number[element]));
         parts[k].weights.push(given.weights?.[i] ?? 1);
         parts[k].arcs.push(given.arcs?.[i] ?? 0);
+        for (const end of [0, 1]) parts[k].arcSides.push(given.arcSides?.[2 * i + end] ?? constants.HMF_NONE);
     });
     return parts;
 }

@@ -262,6 +262,11 @@ export interface LoopSet {
     weights?: Numbers;
     /** One for each loop, with boundary: not 0 for an arc from boundary to boundary; default none. */
     arcs?: Numbers;
+    /**
+     * Two for each loop, for arcs of triangles: the side of the first triangle, 0 to 2, where the arc begins, and that of
+     * the last one where it ends; 0xffffffff and default: the first side on the boundary.
+     */
+    arcSides?: Numbers;
 }
 
 /** The numbers, among them `tolerance`, `residualTolerance`, `timeLimit` and `iterationLimit`, are those of the header. */

@@ -9,7 +9,7 @@ const loopKinds = namesOf('HMF_LOOPS_');
 /** An hmf_loop_set in the memory of the call; 0 (NULL) for undefined. */
 export function writeLoops(frame, set) {
     if (set === undefined) return 0;
-    const given = optionsOf(set, 'loops', ['elementKind', 'level', 'loops', 'weights', 'arcs']);
+    const given = optionsOf(set, 'loops', ['elementKind', 'level', 'loops', 'weights', 'arcs', 'arcSides']);
     if (!Array.isArray(given.loops)) throw new TypeError('loops.loops is missing or not an array; give one array of indices for each loop.');
     const parts = given.loops.map((loop, i) => indices(loop, `loops.loops[${i}]`)), offsets = [0n];
     let total = 0;
@@ -33,18 +33,24 @@ export function writeLoops(frame, set) {
         if (arcs.length !== parts.length) throw new TypeError(`loops.arcs has ${arcs.length} entries; give ${parts.length}, one for each loop.`);
         fields.arcs = frame.copy(Uint8Array, Uint8Array.from(arcs));
     }
+    if (given.arcSides !== undefined) {
+        const sides = indices(given.arcSides, 'loops.arcSides');
+        if (sides.length !== 2 * parts.length) throw new TypeError(`loops.arcSides has ${sides.length} entries; give ${2 * parts.length}, two for each loop.`);
+        fields.arc_sides = frame.copy(Uint32Array, sides);
+    }
     return frame.structure('hmf_loop_set', fields);
 }
 
 /** Loops of the library. */
 export function readLoops(frame, address) {
-    const { element_kind, level, count, weights, arcs } = frame.read('hmf_loop_set', address);
+    const { element_kind, level, count, weights, arcs, arc_sides } = frame.read('hmf_loop_set', address);
     const { offsets } = frame.arrays('hmf_loop_set', address, { offsets: count + 1 });
     const { elements } = frame.arrays('hmf_loop_set', address, { elements: Number(offsets[count]) });
     const loops = Array.from({ length: count }, (_, i) => elements.slice(Number(offsets[i]), Number(offsets[i + 1])));
     const set = { elementKind: elementKinds.byValue.get(element_kind), level, loops };
     if (weights !== 0) Object.assign(set, frame.arrays('hmf_loop_set', address, { weights: count }));
     if (arcs !== 0) Object.assign(set, frame.arrays('hmf_loop_set', address, { arcs: count }));
+    if (arc_sides !== 0) Object.assign(set, frame.arrays('hmf_loop_set', address, { arc_sides: 2 * count }));
     return set;
 }
 

@@ -298,12 +298,14 @@ def test_arcs(tmp_path: Path) -> None:
     hierarchy = foliations.Hierarchy(points, triangles, marked_vertices=[0, 1, 2, 3])
     across = foliations.Loops([[4, 5]], arcs=[True])
     across.save(tmp_path / "arcs.txt")
-    assert foliations.Loops.load(tmp_path / "arcs.txt").arcs.tolist() == [1]
+    assert foliations.Loops.load(tmp_path / "arcs.txt").arcs.tolist() == [True]
     assert abs(hierarchy.solve(across).energy - 2 / 3) < 1e-8
     own = hierarchy.loops()
     own.save(tmp_path / "own.txt")
     again = foliations.Loops.load(tmp_path / "own.txt")
-    assert again.arcs.tolist() == own.arcs.tolist() and own.arcs[0] > 1
+    assert again.arcs.tolist() == own.arcs.tolist() == [True]
+    assert again.arc_sides.tolist() == own.arc_sides.tolist() and own.arc_sides.min() >= 0
+    assert own[:1].arc_sides.tolist() == own.with_weights([2]).arc_sides.tolist() == own.arc_sides.tolist()
     assert hierarchy.solve(again).energy == hierarchy.solve(own).energy
     with pytest.raises(ValueError, match="arcs has the shape"):
         foliations.Loops([[4, 5]], arcs=[True, False])

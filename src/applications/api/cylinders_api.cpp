@@ -94,7 +94,8 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
         hmf_cylinder_set set;
         hmf_loop_set leaves;
     } made{{sizeof(hmf_cylinder_set), 0, count, nullptr, nullptr},
-           {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, foliation->level, count, nullptr, nullptr, nullptr, nullptr}};
+           {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, foliation->level, count, nullptr, nullptr, nullptr, nullptr,
+            nullptr}};
     ResultBlock block;
     block.array(made, made.set.list, count, list.data());
     block.array(made, made.leaves.offsets, count + 1, curves.offsets.data());

@@ -52,12 +52,15 @@ extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_cou
     } result{{sizeof(hmf_design), 0, made.marks.size(), nullptr, nullptr, made.unevenness, made.unevenness_before,
               made.solves},
              {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, 0, found.loops.offsets.size() - 1, nullptr, nullptr, nullptr,
-              nullptr}};
+              nullptr, nullptr}};
     ResultBlock block;
     block.array(result, result.design.marked_vertices, made.marks.size(), made.marks.data());
     block.array(result, result.loops.offsets, found.loops.offsets.size(), found.loops.offsets.data());
     block.array(result, result.loops.elements, found.loops.triangles.size(), found.loops.triangles.data());
-    if (h.is_double()) block.array(result, result.loops.arcs, found.loops.arcs.size(), found.loops.arcs.data());
+    if (h.is_double()) {
+        block.array(result, result.loops.arcs, found.loops.arcs.size(), found.loops.arcs.data());
+        block.array(result, result.loops.arc_sides, found.loops.arc_sides.size(), found.loops.arc_sides.data());
+    }
     block.array(result, result.loops.weights, made.weights.size(), made.weights.data());
     Made* const copied = block.make(result, h, call);
     if (!copied) return call.status();

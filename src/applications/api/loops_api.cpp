@@ -18,11 +18,15 @@ hmf_status loops_of_surface(const hmf_hierarchy& h, size_t level, int32_t kind, 
                          static_cast<unsigned long long>(level));
     FoundLoops found;
     if (surface_loops(h, kind, call, found)) return call.status();
-    hmf_loop_set made{sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, 0, found.count(), nullptr, nullptr, nullptr, nullptr};
+    hmf_loop_set made{};
+    made.struct_size = sizeof made;
+    made.element_kind = HMF_PATH_TRIANGLES;
+    made.count = found.count();
     ResultBlock block;
     block.array(made, made.offsets, found.offsets.size(), found.offsets.data());
     block.array(made, made.elements, found.triangles.size(), found.triangles.data());
     block.array(made, made.arcs, found.arcs.size(), found.arcs.data());
+    block.array(made, made.arc_sides, found.arc_sides.size(), found.arc_sides.data());
     *out = block.make(made, h, call);
     return call.status();
 }
@@ -32,8 +36,9 @@ hmf_status weighted_cut_system(const hmf_hierarchy& h, size_t level, WeightedLoo
     if (h.is_double()) {
         FoundLoops found;
         if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
-        const hmf_loop_set made = {sizeof made,          HMF_PATH_TRIANGLES,     0,       found.count(),
-                                   found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
+        const hmf_loop_set made = {sizeof made,   HMF_PATH_TRIANGLES,   0,
+                                   found.count(), found.offsets.data(), found.triangles.data(),
+                                   nullptr,       found.arcs.data(),    found.arc_sides.data()};
         return read_loop_set(h, &made, found.is_round.data(), out, call);
     }
     out.level = level;
@@ -57,8 +62,11 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
         || name_by_triangles(*hierarchy, level, call, loops, faces))
         return call.status();
     if (level == 0 && caller_triangles(*hierarchy, loops.crossings, faces, call)) return call.status();
-    hmf_loop_set made{
-        sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
+    hmf_loop_set made{};
+    made.struct_size = sizeof made;
+    made.element_kind = HMF_PATH_TRIANGLES;
+    made.level = level;
+    made.count = loops.count();
     ResultBlock block;
     block.array(made, made.offsets, loops.offsets.size(), loops.offsets.data());
     block.array(made, made.elements, faces.size(), faces.data());

@@ -20,7 +20,8 @@ struct SurfaceClass {
     hmf_status find(const hmf_hierarchy& h, int32_t kind, Call& call) {
         if (surface_loops(h, kind, call, found)) return call.status();
         const SurfaceLoops loops = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
-                                    found.triangles.data(), found.arcs.data(), found.is_round.data()};
+                                    found.triangles.data(), found.arcs.data(), found.arc_sides.data(),
+                                    found.is_round.data()};
         if (double_loops(h, loops, call, doubled)) return call.status();
         const GivenLoops named{HMF_PATH_TRIANGLES, doubled.offsets.data(), doubled.elements.data()};
         if (check_loops(h.input, doubled.loops, call, &named)) return call.status();
@@ -34,13 +35,16 @@ Done keep_boundary_loops(const FoundLoops& found, const Array<double>& weights, 
     loops.offsets.start(memory);
     loops.triangles.start(memory);
     loops.arcs.start(memory);
+    loops.arc_sides.start(memory);
     kept.start(memory);
     if (!loops.offsets.push(0)) return false;
     for (size_t c = 0; c < found.count(); ++c) {
         if (!(weights[c] > 0)) continue;
         for (uint64_t i = found.offsets[c]; i < found.offsets[c + 1]; ++i)
             if (!loops.triangles.push(found.triangles[i])) return false;
-        if (!loops.offsets.push(loops.triangles.size()) || !loops.arcs.push(found.arcs[c]) || !kept.push(weights[c]))
+        if (!loops.offsets.push(loops.triangles.size()) || !loops.arcs.push(found.arcs[c])
+            || !loops.arc_sides.push(found.arc_sides[2 * c]) || !loops.arc_sides.push(found.arc_sides[2 * c + 1])
+            || !kept.push(weights[c]))
             return false;
     }
     return true;

@@ -110,7 +110,8 @@ Done SurfaceLoopsFinder::finish(bool is_arc, bool is_round) {
     for (size_t i = begin; i < end; ++i)
         if (!out_->triangles.push(loop_[i])) return false;
     loop_.clear();
-    return out_->offsets.push(out_->triangles.size()) && out_->is_round.push(is_round) && out_->arcs.push(is_arc);
+    return out_->offsets.push(out_->triangles.size()) && out_->is_round.push(is_round) && out_->arcs.push(is_arc)
+        && out_->arc_sides.push(NONE) && out_->arc_sides.push(NONE);
 }
 
 // A loop of the capped surface; triangle m + q is the cap beyond side q.
@@ -214,7 +215,9 @@ hmf_status SurfaceLoopsFinder::add_arc(uint32_t boundary, const Array<uint32_t>&
         q = next_in(first_side_, boundary, q);
     } while (q != to);
     if (!finish(true)) return call_.out_of_memory();
-    out_->arcs.back() = arc_between_sides(number_in_triangle(from), number_in_triangle(to));
+    const size_t sides = out_->arc_sides.size();
+    out_->arc_sides[sides - 2] = number_in_triangle(from);
+    out_->arc_sides[sides - 1] = number_in_triangle(to);
     return HMF_OK;
 }
 
@@ -242,6 +245,7 @@ hmf_status SurfaceLoopsFinder::run(int32_t kind, FoundLoops& out) {
     out.offsets.start(call_.memory);
     out.triangles.start(call_.memory);
     out.arcs.start(call_.memory);
+    out.arc_sides.start(call_.memory);
     out.is_round.start(call_.memory);
     loop_.start(call_.memory);
     if (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL)

@@ -11,7 +11,8 @@ struct FoundLoops {
     Array<uint64_t> offsets;
     Array<uint32_t> triangles; // in the caller's numbers
     Array<uint8_t> arcs;
-    Array<uint8_t> is_round; // a boundary without marked vertices, and nothing else; see double_loops.hpp
+    Array<uint32_t> arc_sides; // two per loop, as in hmf_loop_set
+    Array<uint8_t> is_round;   // a boundary without marked vertices, and nothing else; see double_loops.hpp
     size_t count() const { return arcs.size(); }
 };
 

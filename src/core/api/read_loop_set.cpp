@@ -50,8 +50,9 @@ hmf_status read_on_double(const hmf_hierarchy& h, const hmf_loop_set& all, Weigh
         if (all.offsets[c + 1] == all.offsets[c])
             return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c, "Loop %llu has no elements.",
                              static_cast<unsigned long long>(c));
-    const SurfaceLoops surface = {all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements, all.arcs,
-                                  given.is_round};
+    const SurfaceLoops surface = {
+        all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements, all.arcs, all.arc_sides,
+        given.is_round};
     if (double_loops(h, surface, call, given.doubled)) return call.status();
     out.loops.swap(given.doubled.loops);
     out.of.swap(given.doubled.of);

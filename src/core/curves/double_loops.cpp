@@ -126,10 +126,10 @@ uint32_t Doubler::side_between(uint32_t from, uint32_t to, uint32_t came_in) con
 uint32_t Doubler::boundary_side(size_t c, bool at_end) const {
     const uint64_t first = given_.offsets[c], last = given_.offsets[c + 1] - 1;
     const uint32_t face = face_[given_.elements[at_end ? last : first]];
-    const uint32_t named = given_.arcs[c] >> (at_end ? 3 : 1) & 3u; // 1 + side
+    const uint32_t named = given_.arc_sides ? given_.arc_sides[2 * c + at_end] : NONE;
     uint32_t h = side_[face], found = NONE;
     for (uint32_t s = 0; s < 3; ++s, h = mesh_.next[h]) {
-        if (mesh_.face[twin(h)] != image_[face] || (named > 0 && named != s + 1)) continue;
+        if (mesh_.face[twin(h)] != image_[face] || (named != NONE && named != s)) continue;
         if (found == NONE || (at_end && first == last)) found = h;
     }
     return found;

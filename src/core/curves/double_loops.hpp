@@ -18,15 +18,11 @@ struct SurfaceLoops {
     int32_t element_kind; // HMF_PATH_*
     size_t count;
     const uint64_t* offsets;
-    const uint32_t* elements; // in the caller's numbers of level 0
-    const uint8_t* arcs;      // per loop, or NULL: none is an arc
-    const uint8_t* is_round;  // per loop, if that is known: it bounds an annulus with its mirror image
+    const uint32_t* elements;  // in the caller's numbers of level 0
+    const uint8_t* arcs;       // per loop, or NULL: none is an arc
+    const uint32_t* arc_sides; // two per loop, as in hmf_loop_set, or NULL
+    const uint8_t* is_round;   // per loop, if that is known: it bounds an annulus with its mirror image
 };
-
-// hmf_loop_set::arcs of an arc of triangles that begins and ends at these sides of its first and last triangle.
-inline uint8_t arc_between_sides(uint8_t first, uint8_t last) {
-    return static_cast<uint8_t>(1 + 2 * (first + 1) + 8 * (last + 1));
-}
 
 struct DoubledLoops {
     Loops loops;             // on the input side of level 0

@@ -341,7 +341,8 @@ TEST(Boundary, LoopsRoundABoundaryAreKnown) {
             hmf::FoundLoops found;
             ASSERT_EQ(hmf::surface_loops(*hierarchy.get(), kind, call, found), HMF_OK) << error.message;
             hmf::SurfaceLoops given = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
-                                       found.triangles.data(), found.arcs.data(), found.is_round.data()};
+                                       found.triangles.data(), found.arcs.data(), found.arc_sides.data(),
+                                       found.is_round.data()};
             hmf::DoubledLoops known, searched;
             ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, call, known), HMF_OK) << error.message;
             given.is_round = nullptr;

@@ -176,6 +176,7 @@ class Components(Sequence[Component]):
                 kind=whole.kind,
                 weights=whole.weights[own],
                 arcs=whole.arcs[own] if whole.arcs.any() else None,
+                arc_sides=whole.arc_sides[own] if whole.arcs.any() else None,
             )
             for own in chosen
         ]

@@ -207,7 +207,10 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("Build each component of hmf_components on its own", 'Use solve_components, or Hierarchy(mesh, component="largest")'),
     ("Use hmf_loops, or another mesh", "Use other loops, or another mesh"),
     ("; hmf_singularities lists them", "; Foliation.singularities() lists them"),
-    ("Start from hmf_foliation_from_loops or a result of hmf_solve", "Start from Hierarchy.initialize or a result of a solve"),
+    (
+        "Start from hmf_foliation_from_loops or a result of hmf_solve",
+        "Start from Hierarchy.initialize or a result of a solve",
+    ),
     ("; hmf_hierarchy_memory_estimate gives a sufficient value", "; memory_estimate gives a sufficient value"),
     ("with hmf_interpolate", "with Foliation.interpolate"),
     ("with hmf_relax", "with Foliation.relax"),

@@ -51,6 +51,10 @@ class Loops(Sequence[Indices]):
     arcs : (number of loops,) bools, optional
         Which ones are arcs from boundary to boundary, on a surface that has
         one; None means none.  They are not closed.
+    arc_sides : (number of loops, 2) ints, optional
+        For arcs of triangles: the side of the first triangle, 0 to 2, where
+        the arc begins, and that of the last one where it ends; -1 and None
+        mean the first side on the boundary.
 
     Whether the loops are closed, simple, disjoint, essential and not parallel
     is checked by the call that uses them (:class:`foliations.LoopError`).
@@ -64,16 +68,18 @@ class Loops(Sequence[Indices]):
         level: int = 0,
         weights: ArrayLike | None = None,
         arcs: ArrayLike | None = None,
+        arc_sides: ArrayLike | None = None,
     ) -> None:
-        codes = None if arcs is None else _as_arcs(arcs, len(paths))
+        is_arc = None if arcs is None else _rows(np.array(arcs, dtype=bool), (len(paths),), "arcs")
+        sides = None if arc_sides is None else _rows(np.array(arc_sides, np.int32), (len(paths), 2), "arc_sides")
         arrays = [
-            array if codes is not None and codes[number] else _open(array)
+            array if is_arc is not None and is_arc[number] else _open(array)
             for number, array in enumerate(as_indices(path, f"loop {number}") for number, path in enumerate(paths))
         ]
         offsets = np.zeros(len(arrays) + 1, dtype=np.uint64)
         np.cumsum([len(array) for array in arrays], out=offsets[1:])
         elements = np.concatenate(arrays) if arrays else np.empty(0, dtype=np.uint32)
-        self._set(offsets, elements, kind, level, weights, codes)
+        self._set(offsets, elements, kind, level, weights, is_arc, sides)
 
     def _set(
         self,
@@ -82,9 +88,11 @@ class Loops(Sequence[Indices]):
         kind: LoopKind,
         level: int,
         weights: ArrayLike | None,
-        arcs: NDArray[np.uint8] | None,
+        arcs: NDArray[np.bool_] | None,
+        arc_sides: NDArray[np.int32] | None,
     ) -> Loops:
         self._arcs = None if arcs is None else frozen(arcs)
+        self._arc_sides = None if arc_sides is None else frozen(arc_sides)
         self._element_kind = constant("PATH", kind, "kind of a loop")
         self._kind: LoopKind = kind
         self._offsets = frozen(offsets)
@@ -101,8 +109,11 @@ class Loops(Sequence[Indices]):
         offsets = view(owner, given.offsets, given.count + 1)
         elements = view(owner, given.elements, int(offsets[-1]))
         weights = None if given.weights == ffi.NULL else view(owner, given.weights, given.count)
-        arcs = None if given.arcs == ffi.NULL else view(owner, given.arcs, given.count)
-        return cls.__new__(cls)._set(offsets, elements, names("PATH")[given.element_kind], given.level, weights, arcs)
+        arcs = None if given.arcs == ffi.NULL else view(owner, given.arcs, given.count).astype(bool)
+        # HMF_NONE is -1.
+        sides = None if given.arc_sides == ffi.NULL else view(owner, given.arc_sides, given.count, 2).view(np.int32)
+        kind = names("PATH")[given.element_kind]
+        return cls.__new__(cls)._set(offsets, elements, kind, given.level, weights, arcs, sides)
 
     @classmethod
     def through(
@@ -158,7 +169,8 @@ class Loops(Sequence[Indices]):
         for ``# --weights 1,2``, which gives weights where none are given here.
         """
         paths: list[list[int]] = []
-        arcs: list[int] = []
+        arcs: list[bool] = []
+        sides: list[tuple[int, int]] = []
         kinds = set()
         for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
             content, _, comment = line.partition("#")
@@ -168,9 +180,10 @@ class Loops(Sequence[Indices]):
                     weights = [float(word) for word in comment.split(None, 1)[1].split(",")]
                 if not words:
                     continue
-                kind, arc = _kind_of_line(words.pop(0) if words[0].endswith(":") else "v:")
+                kind, arc, ends = _kind_of_line(words.pop(0) if words[0].endswith(":") else "v:")
                 paths.append([int(word) for word in words])
                 arcs.append(arc)
+                sides.append(ends)
             except (ValueError, IndexError) as error:
                 raise ValueError(f"{path}, line {number}: write numbers from 0, or t: and numbers.") from error
             kinds.add(kind)
@@ -178,14 +191,17 @@ class Loops(Sequence[Indices]):
             raise ValueError(f"{path}: loops of vertices and loops of triangles; write all of them in one way.")
         if not paths or [] in paths:
             raise ValueError(f"{path}: no loops, or a line without numbers; write one loop a line.")
-        return cls(paths, kind=kinds.pop(), weights=weights, arcs=arcs if any(arcs) else None)
+        if not any(arcs):
+            return cls(paths, kind=kinds.pop(), weights=weights)
+        return cls(paths, kind=kinds.pop(), weights=weights, arcs=arcs, arc_sides=sides)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes loops of your mesh, level 0, as :meth:`load` and the tool read them."""
         if self._level != 0:
             raise ValueError(f"loops of level {self._level} mean nothing to others: save those of level 0.")
         lines = ["# --weights " + ",".join(repr(weight) for weight in self.weights.tolist())]
-        lines += [_line_of(self._kind, arc) + " ".join(map(str, loop.tolist())) for loop, arc in zip(self, self.arcs)]
+        for loop, arc, sides in zip(self, self.arcs, self.arc_sides):
+            lines.append(_line_of(self._kind, arc, sides) + " ".join(map(str, loop.tolist())))
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     def positions(self, hierarchy: Hierarchy) -> tuple[Floats, ...]:
@@ -232,14 +248,21 @@ class Loops(Sequence[Indices]):
         return self._elements
 
     @property
-    def arcs(self) -> NDArray[np.uint8]:
-        """(number of loops,): not 0 for arcs from boundary to boundary, with the sides where they end as in C."""
-        return np.zeros(len(self), dtype=np.uint8) if self._arcs is None else self._arcs
+    def arcs(self) -> NDArray[np.bool_]:
+        """(number of loops,): which ones are arcs from boundary to boundary."""
+        return np.zeros(len(self), dtype=bool) if self._arcs is None else self._arcs
+
+    @property
+    def arc_sides(self) -> NDArray[np.int32]:
+        """(number of loops, 2): sides of triangles where arcs begin and end; -1: the first side on the boundary."""
+        return np.full((len(self), 2), -1, dtype=np.int32) if self._arc_sides is None else self._arc_sides
 
     def with_weights(self, weights: ArrayLike | None) -> Loops:
         """The same loops with other weights; None means 1 each."""
         loops = type(self).__new__(type(self))
-        return loops._set(self._offsets, self._elements, self._kind, self._level, weights, self._arcs)
+        return loops._set(
+            self._offsets, self._elements, self._kind, self._level, weights, self._arcs, self._arc_sides
+        )
 
     def __len__(self) -> int:
         return len(self._offsets) - 1
@@ -253,8 +276,14 @@ class Loops(Sequence[Indices]):
         if isinstance(which, slice):
             chosen = range(len(self))[which]
             weights = None if self._weights is None else self._weights[which]
-            arcs = None if self._arcs is None else self._arcs[which]
-            return Loops([self[i] for i in chosen], kind=self._kind, level=self._level, weights=weights, arcs=arcs)
+            return Loops(
+                [self[i] for i in chosen],
+                kind=self._kind,
+                level=self._level,
+                weights=weights,
+                arcs=None if self._arcs is None else self._arcs[which],
+                arc_sides=None if self._arc_sides is None else self._arc_sides[which],
+            )
         number = range(len(self))[which]
         return self._elements[int(self._offsets[number]) : int(self._offsets[number + 1])]
 
@@ -271,35 +300,35 @@ class Loops(Sequence[Indices]):
             offsets=pointer(self._offsets, "uint64_t *"),
             elements=pointer(self._elements, "uint32_t *"),
             weights=None if self._weights is None else pointer(self._weights, "double *"),
-            arcs=None if self._arcs is None else pointer(self._arcs, "uint8_t *"),
+            arcs=None if self._arcs is None else pointer(self._arcs.view(np.uint8), "uint8_t *"),
+            arc_sides=None if self._arc_sides is None else pointer(self._arc_sides.view(np.uint32), "uint32_t *"),
         )
 
 
-def _kind_of_line(word: str) -> tuple[LoopKind, int]:
-    """What the first word of a line of a file says: the kind of elements, and the entry of arcs."""
+def _kind_of_line(word: str) -> tuple[LoopKind, bool, tuple[int, int]]:
+    """What the first word of a line of a file says: the kind of elements, whether it is an arc, and its sides."""
     if word in ("v:", "a:"):
-        return "vertices", int(word == "a:")
+        return "vertices", word == "a:", (-1, -1)
     if word in ("t:", "at:"):
-        return "triangles", int(word == "at:")
+        return "triangles", word == "at:", (-1, -1)
     if len(word) == 5 and word.startswith("at") and set(word[2:4]) <= set("012"):
-        return "triangles", 1 + 2 * (int(word[2]) + 1) + 8 * (int(word[3]) + 1)
+        return "triangles", True, (int(word[2]), int(word[3]))
     raise ValueError(word)
 
 
-def _line_of(kind: LoopKind, arc: int) -> str:
+def _line_of(kind: LoopKind, arc: bool, sides: NDArray[np.int32]) -> str:
     """The beginning of a line of a file."""
-    if arc > 1 and kind == "triangles":
-        return f"at{(arc >> 1 & 3) - 1}{(arc >> 3 & 3) - 1}: "
+    if arc and kind == "triangles" and min(sides) >= 0:
+        return f"at{sides[0]}{sides[1]}: "
     if arc:
         return "at: " if kind == "triangles" else "a: "
     return "t: " if kind == "triangles" else "v: "
 
 
-def _as_arcs(arcs: ArrayLike, count: int) -> NDArray[np.uint8]:
-    codes = np.array(arcs, dtype=np.uint8)
-    if codes.shape != (count,):
-        raise ValueError(f"arcs has the shape {codes.shape}; give one entry for each of the {count} loops.")
-    return codes
+def _rows(array: NDArray[Any], shape: tuple[int, ...], what: str) -> NDArray[Any]:
+    if array.shape != shape:
+        raise ValueError(f"{what} has the shape {array.shape}; give one entry for each of the {shape[0]} loops.")
+    return array
 
 
 def _open(path: Indices) -> Indices:

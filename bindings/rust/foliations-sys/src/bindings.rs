@@ -245,6 +245,7 @@ pub struct hmf_loop_set {
     pub elements: *const u32,
     pub weights: *const f64,
     pub arcs: *const u8,
+    pub arc_sides: *const u32,
 }
 impl Default for hmf_loop_set {
     fn default() -> Self {

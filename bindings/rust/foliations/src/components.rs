@@ -164,7 +164,7 @@ impl Components {
                 own.push(number[element as usize]);
             }
             if let Some(k) = on {
-                parts[k as usize].push_as(&own, whole.weights()[c], whole.arcs()[c]);
+                parts[k as usize].push_as(&own, whole.weights()[c], whole.arcs()[c], whole.arc_sides()[c]);
             }
         }
         Ok(parts)

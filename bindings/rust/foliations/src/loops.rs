@@ -52,7 +52,11 @@ pub struct Loops {
     elements: Vec<u32>,
     weights: Vec<f64>,
     arcs: Vec<u8>,
+    arc_sides: Vec<[u32; 2]>,
 }
+
+/// The first side on the boundary, at both ends.
+const ANY_SIDE: [u32; 2] = [crate::NONE; 2];
 
 impl Loops {
     /// No loops yet; their elements will be triangles of `level`.
@@ -66,7 +70,8 @@ impl Loops {
     }
 
     pub(crate) fn empty(level: usize, element_kind: LoopElements) -> Loops {
-        Loops { level, element_kind, offsets: vec![0], elements: Vec::new(), weights: Vec::new(), arcs: Vec::new() }
+        let (elements, weights, arcs, arc_sides) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Loops { level, element_kind, offsets: vec![0], elements, weights, arcs, arc_sides }
     }
 
     /// A copy of loops of the library.
@@ -81,6 +86,8 @@ impl Loops {
         // SAFETY: as above.
         let arcs = unsafe { slice(set.arcs, set.count) };
         // SAFETY: as above.
+        let arc_sides = unsafe { slice(set.arc_sides.cast::<[u32; 2]>(), set.count) };
+        // SAFETY: as above.
         let elements = unsafe { slice(set.elements, offsets[count]) };
         Loops {
             level: set.level.read(),
@@ -89,6 +96,7 @@ impl Loops {
             elements: elements.to_vec(),
             weights: if set.weights.is_null() { vec![1.0; count] } else { weights.to_vec() },
             arcs: if set.arcs.is_null() { vec![0; count] } else { arcs.to_vec() },
+            arc_sides: if set.arc_sides.is_null() { vec![ANY_SIDE; count] } else { arc_sides.to_vec() },
         }
     }
 
@@ -98,17 +106,20 @@ impl Loops {
         self.offsets.push(self.elements.len() as u64);
         self.weights.push(weight);
         self.arcs.push(0);
+        self.arc_sides.push(ANY_SIDE);
     }
 
     /// Adds an arc from boundary to boundary with its weight, on a surface that has one.
     pub fn push_arc(&mut self, elements: &[u32], weight: f64) {
-        self.push_as(elements, weight, 1);
+        self.push_as(elements, weight, 1, ANY_SIDE);
     }
 
-    /// Adds a loop or an arc, with its entry of [`arcs`](Loops::arcs).
-    pub(crate) fn push_as(&mut self, elements: &[u32], weight: f64, arc: u8) {
+    /// Adds a loop or an arc, with its entries of [`arcs`](Loops::arcs) and [`arc_sides`](Loops::arc_sides).
+    pub(crate) fn push_as(&mut self, elements: &[u32], weight: f64, arc: u8, sides: [u32; 2]) {
         self.push(elements, weight);
-        self.arcs[self.weights.len() - 1] = arc;
+        let last = self.weights.len() - 1;
+        self.arcs[last] = arc;
+        self.arc_sides[last] = sides;
     }
 
     /// The same loops and one more, with its weight.
@@ -169,9 +180,15 @@ impl Loops {
         &self.weights
     }
 
-    /// For each loop 0, or not 0 if it is an arc from boundary to boundary, as in the C header.
+    /// For each loop 0, or not 0 if it is an arc from boundary to boundary.
     pub fn arcs(&self) -> &[u8] {
         &self.arcs
+    }
+
+    /// For each arc of triangles the sides where it begins and ends, 0 to 2; `u32::MAX`: the first
+    /// side on the boundary.
+    pub fn arc_sides(&self) -> &[[u32; 2]] {
+        &self.arc_sides
     }
 
     /// For calls during which `self` is borrowed.
@@ -185,6 +202,7 @@ impl Loops {
             elements: self.elements.as_ptr(),
             weights: self.weights.as_ptr(),
             arcs: self.arcs.as_ptr(),
+            arc_sides: self.arc_sides.as_ptr().cast(),
         }
     }
 }
