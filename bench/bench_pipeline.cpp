@@ -283,7 +283,7 @@ Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t meth
     hmf_solve_options o = {};
     o.struct_size = sizeof o;
     o.method = method;
-    o.tolerance = tolerance;
+    (method == HMF_METHOD_NEWTON ? o.tolerance : o.energy_tolerance) = tolerance;
     o.stop_level = stop_level;
     Deadline deadline;
     deadline.at = now() + limit;

@@ -178,7 +178,8 @@ private:
         hmf_solve_options solve = sized<hmf_solve_options>();
         solve.method = static_cast<int32_t>(bytes_.below(4));
         solve.iteration_limit = 1 + bytes_.below(30);
-        if (bytes_.rarely()) solve.tolerance = coordinate(bytes_);
+        if (bytes_.rarely())
+            (solve.method == HMF_METHOD_NEWTON ? solve.tolerance : solve.energy_tolerance) = coordinate(bytes_);
         if (bytes_.rarely()) solve.stop_level = bytes_.below(4);
         if (bytes_.rarely()) {
             stop.at = 1 + bytes_.byte();

@@ -41,9 +41,8 @@ int32_t less_sure(int32_t a, int32_t b) {
 }
 
 bool Component::is_converged() const {
-    const bool takes_residual = report_->method == HMF_METHOD_NEWTON && tolerance_ > 0;
     return report_->converged != 0 && report_->residual_max >= 0
-        && report_->residual_max <= (takes_residual ? tolerance_ : 1e-8);
+        && report_->residual_max <= (tolerance_ > 0 ? tolerance_ : 1e-8);
 }
 
 void Component::refuse(hmf_status status, const std::string& reason) {

@@ -92,7 +92,7 @@ void Run::solve() {
     refuse_if_none();
     if (outcome_.exit_status == EXIT_LIMIT) progress_.finish_quietly();
     r_.method = method;
-    if (r_.tolerance == 0) r_.tolerance = r_.method == HMF_METHOD_NEWTON ? 1e-8 : 1e-6;
+    if (r_.tolerance == 0) r_.tolerance = 1e-8; // what counts as converged
     for (const Component& c : components_)
         if (c.is_refused()) outcome_.notes.push_back(c.refusal() + "; its values are 0");
 }

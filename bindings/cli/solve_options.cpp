@@ -98,7 +98,7 @@ Options solve_options(SolveRequest& r) {
             .in("[0, inf)"),
         mollify_option(r),
         Option{"--tolerance", &r.tolerance, "X",
-               "newton: largest residual, by default 1e-8; other methods: change of the energy, by default 1e-6"}
+               "largest residual, by default 1e-8; methods other than newton then stop by the energy"}
             .in("(0, 1)"),
         Option{"--time-limit", &r.time_limit, "X", "in seconds; 0: none"}.in("[0, inf)"),
         threads_option(r),

@@ -68,7 +68,7 @@ inline void any_calls(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation*
             if (!moved) break;
             FUZZ_ASSERT(hmf_foliation_level(moved.get()) == level && !hmf_foliation_report(moved.get()));
             FUZZ_ASSERT(hmf_foliation_unit(moved.get()) == hmf_foliation_unit(f));
-            expect_closed(h, moved.get());
+            expect_closed(h, moved.get(), memory_is_short);
             expect_singularities(h, moved.get(), memory_is_short);
             last = std::move(moved);
             break;

@@ -185,7 +185,7 @@ inline Owned<hmf_foliation> foliation_of(const hmf_hierarchy* h, const Stop& sto
     const bool has_arrived = status == HMF_OK && report->method == HMF_METHOD_NEWTON;
     FUZZ_ASSERT(report->converged ? report->residual_max >= 0 : !has_arrived);
     FUZZ_ASSERT(report->class_state != HMF_CLASS_LOST);
-    expect_closed(h, made);
+    expect_closed(h, made, memory_is_short);
     expect_singularities(h, made, memory_is_short);
     return f;
 }

@@ -470,18 +470,19 @@ HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
 typedef struct hmf_solve_options {
     uint32_t struct_size;
     int32_t method;              /* HMF_METHOD_*; default: the most exact of this version */
-    double tolerance;            /* newton: residual_max, default 1e-8; others: relative change of the energy per
-                                    sweep, default 1e-6, which says nothing of the residual */
+    double tolerance;            /* residual_max to reach on stop_level, and up to which the report says converged.
+                                    newton: default 1e-8.  The other methods: sweeps go on until it is reached,
+                                    whatever the energy does, or end with HMF_LIMIT_*; default: energy_tolerance ends
+                                    them, and 1e-8 counts as converged */
+    double energy_tolerance;     /* not newton: without a tolerance, and on coarser levels, sweeps end when one lowers
+                                    the energy by less than this part of it; default 1e-6, says nothing of the
+                                    residual */
     double time_limit;           /* seconds, 0 = none */
     uint64_t iteration_limit;    /* sweeps per level, default 100000 */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
     const hmf_foliation *start;  /* hmf_solve: a foliation to start from instead of loops, which are then NULL; of
                                     this hierarchy, or of another one of the same triangles (then on level 0);
                                     NULL = none */
-    double residual_tolerance;   /* residual_max up to which the report says converged.  newton: in place of tolerance.
-                                    Others: sweeps on stop_level go on until it is reached, whatever the energy does,
-                                    or end with HMF_LIMIT_*.  Default: newton: tolerance; others: sweeps stop by the
-                                    energy, and 1e-8 counts as converged */
     uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
                                     many as it takes.  Unlike time_limit the same result on every machine */
 } hmf_solve_options;
@@ -516,7 +517,7 @@ typedef struct hmf_history_entry {
 typedef struct hmf_report {
     uint32_t struct_size;
     int32_t method;
-    int32_t converged;           /* 1: residual_max is at most residual_tolerance, whatever the method and the
+    int32_t converged;           /* 1: residual_max is at most the tolerance, whatever the method and the
                                     status; else 0 */
     int32_t reserved;            /* 0 */
     double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic

@@ -567,7 +567,7 @@ hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t itera
     hmf_solve_options options{};
     options.struct_size = sizeof options;
     options.method = method;
-    options.tolerance = tolerance;
+    (method == HMF_METHOD_NEWTON ? options.tolerance : options.energy_tolerance) = tolerance;
     options.iteration_limit = iterations;
     return options;
 }

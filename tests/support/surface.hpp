@@ -158,6 +158,7 @@ struct Solution {
     hmf_error error{};
 };
 
+// tolerance: of the residual for newton, else of the energy.
 hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations = 0);
 Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options,
                const hmf_control* control = nullptr);

@@ -269,7 +269,7 @@ export interface LoopSet {
     arcSides?: Numbers;
 }
 
-/** The numbers, among them `tolerance`, `residualTolerance`, `timeLimit` and `iterationLimit`, are those of the header. */
+/** The numbers, among them `tolerance`, `energyTolerance`, `timeLimit` and `iterationLimit`, are those of the header. */
 export interface OptimizeOptions extends ProgressOptions, Omit<SolveNumbers, "stopLevel"> {
     /** Default "newton", the most exact. */
     method?: "default" | "newton" | "whitehead" | "single-level" | "paper";

@@ -9,7 +9,7 @@ export const optionNames = name => options[name].map(camel);
 // The library takes 0 for "the default", which here is to leave the option out.
 const ranges = {
     ratio: '[0.05, 0.95]', mollify: '[0, 0.1]', coarsest: '[1, inf)', memoryLimit: '[1, inf)',
-    tolerance: '(0, 1)', residualTolerance: '(0, 1)', timeLimit: '[0, inf)', iterationLimit: '[1, inf)', stepLimit: '[1, inf)',
+    tolerance: '(0, 1)', energyTolerance: '(0, 1)', timeLimit: '[0, inf)', iterationLimit: '[1, inf)', stepLimit: '[1, inf)',
     solveLimit: '[1, inf)', margin: '(0, 0.0625]', edgeLength: '(0, inf)', count: '[1, inf)', spacing: '(0, inf)', lengthLimit: '(0, inf)',
 };
 const shortest = 1e-9; // seconds; the library takes a limit of 0 for none

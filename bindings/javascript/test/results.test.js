@@ -273,7 +273,7 @@ test('the methods agree on the energy', () => {
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
     const newton = hierarchy.solve().energy();
     for (const method of ['whitehead', 'single-level']) {
-        const foliation = hierarchy.solve({ method, tolerance: 1e-7 });
+        const foliation = hierarchy.solve({ method, energyTolerance: 1e-7 });
         assert.equal(foliation.report.method, method);
         assert.ok(foliation.energy() >= newton && foliation.energy() < 1.01 * newton, `${method}: ${foliation.energy()} and ${newton}`);
     }

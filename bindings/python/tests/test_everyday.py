@@ -181,7 +181,7 @@ def test_zero_is_zero(pretzel: Mesh) -> None:
         assert hierarchy.solve(time_limit=0).status == foliations.Status.LIMIT_TIME
     foliation = hierarchy.solve(time_limit=None, tolerance=None)
     refused = {
-        hierarchy.solve: ("tolerance", "residual_tolerance", "iteration_limit", "step_limit"),
+        hierarchy.solve: ("tolerance", "energy_tolerance", "iteration_limit", "step_limit"),
         foliation.quads: ("count", "edge_length"),
         foliation.trace: ("spacing", "length_limit"),
         foliation.relax: ("tolerance",),

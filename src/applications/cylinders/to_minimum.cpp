@@ -8,7 +8,7 @@ hmf_status to_minimum(State& state, double& unit, Call& call) {
     const double before = energy(state.foliation, weight) * unit * unit;
     Recorder recorder(false, call, unit);
     SolveOptions options;
-    options.tolerance = 1e-8;
+    options.tolerance = DEFAULT_TOLERANCE;
     options.stop_level = state.level;
     const hmf_status status = run_cascade(state, options, call, recorder);
     if (call.cancelled()) return call.was_cancelled();

@@ -20,12 +20,11 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
     if (!(options.tolerance >= 0) || !(options.tolerance < 1) || !(options.time_limit >= 0))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "tolerance must lie in (0, 1) and time_limit must not be negative; 0 means the default.");
-    if (!(options.residual_tolerance >= 0) || !(options.residual_tolerance < 1))
+    if (!(options.energy_tolerance >= 0) || !(options.energy_tolerance < 1))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                         "residual_tolerance must lie in (0, 1); 0 means the default.");
-    const bool newton = options.method == HMF_METHOD_NEWTON;
-    if (newton && options.residual_tolerance > 0) options.tolerance = options.residual_tolerance;
-    if (!(options.tolerance > 0)) options.tolerance = newton ? 1e-8 : 1e-6;
+                         "energy_tolerance must lie in (0, 1); 0 means the default.");
+    if (options.method == HMF_METHOD_NEWTON && options.tolerance == 0) options.tolerance = DEFAULT_TOLERANCE;
+    if (options.energy_tolerance == 0) options.energy_tolerance = defaults.energy_tolerance;
     if (options.iteration_limit == 0) options.iteration_limit = defaults.iteration_limit;
     if (options.stop_level >= h.level_count)
         return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, options.stop_level,

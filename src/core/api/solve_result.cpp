@@ -90,9 +90,7 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     report.struct_size = sizeof report;
     report.method = options.method;
     if (measure_energy(state, recorder, call)) return call.status();
-    const double enough = options.method == HMF_METHOD_NEWTON ? options.tolerance
-                        : options.residual_tolerance > 0      ? options.residual_tolerance
-                                                              : 1e-8;
+    const double enough = options.tolerance > 0 ? options.tolerance : DEFAULT_TOLERANCE;
     report.converged = report.residual_max >= 0 && report.residual_max <= enough;
     report.class_state = static_cast<int32_t>(guard.result.state);
     report.class_repeats = guard.repeats;

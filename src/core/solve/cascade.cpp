@@ -52,10 +52,10 @@ hmf_status end_beyond_rounding(LevelWork& work, double goal) {
     return HMF_OK;
 }
 
-hmf_status whitehead_level(LevelWork& work, double tolerance) {
+hmf_status whitehead_level(LevelWork& work) {
     Foliation& f = work.state.foliation;
     double D = energy(f, work.level.weight);
-    const double wanted = work.state.level == work.options.stop_level ? work.options.residual_tolerance : 0;
+    const double wanted = work.state.level == work.options.stop_level ? work.options.tolerance : 0;
     const uint32_t n = f.mesh.vertex_count;
     uint32_t without_move = 0; // sweeps without a move, one after the other
     for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
@@ -84,7 +84,7 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
                 D = energy(f, work.level.weight);
                 without_move = 0;
             }
-        } else if (-result.energy_change <= tolerance * D) {
+        } else if (-result.energy_change <= work.options.energy_tolerance * D) {
             return HMF_OK;
         }
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
@@ -149,8 +149,8 @@ hmf_status optimize(State& state, const SolveOptions& options, Call& call, Recor
     if (guard) guard->zeros.known = false;
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
-    const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
-                                                                  : whitehead_level(work, options.tolerance);
+    const hmf_status status =
+        options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance) : whitehead_level(work);
     statistics.iterations += work.statistics.iterations;
     statistics.linear_solves += work.statistics.linear_solves;
     statistics.optimize_seconds += call.seconds() - start;

@@ -13,12 +13,16 @@ constexpr int64_t LARGEST_INNER_VALUE = int64_t{1} << 59;
 // The height of a cylinder; leaves are counted in half units.
 constexpr int64_t LARGEST_HEIGHT = int64_t{1} << 60;
 
+// Of the residual.
+constexpr double DEFAULT_TOLERANCE = 1e-8;
+
 // The options of the caller with their defaults, available in every stage, and options of the library itself.
 struct SolveOptions : hmf_solve_options {
     // cppcheck-suppress uninitDerivedMemberVar
     SolveOptions() : hmf_solve_options() {
         method = HMF_METHOD_NEWTON;
         iteration_limit = 100000;
+        energy_tolerance = 1e-6;
     }
     size_t stop() const { return static_cast<size_t>(stop_level); }
 
@@ -97,7 +101,7 @@ inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.
 
 // Methods on one level: HMF_OK when converged to the tolerance, HMF_LIMIT_*,
 // HMF_CANCELLED (also for finishing), or a memory error.
-[[nodiscard]] hmf_status whitehead_level(LevelWork& work, double tolerance);
+[[nodiscard]] hmf_status whitehead_level(LevelWork& work);
 [[nodiscard]] hmf_status newton_level(LevelWork& work, double tolerance);
 
 // Called when no step helps. If quantization is the reason, fractions of a unit reach the goal; otherwise

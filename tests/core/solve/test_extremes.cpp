@@ -163,7 +163,7 @@ TEST(Extremes, SweepsGoOnBelowTheUnit) {
         const Hierarchy hierarchy(with_bad_triangles(torus(n, 3 * n / 4, 3, 1), 2, 1e-6, 1), 0.5, 1000);
         ASSERT_TRUE(hierarchy);
         hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 1e-6);
-        options.residual_tolerance = 1e-8;
+        options.tolerance = 1e-8;
         const Solution sweeps = solve(hierarchy, nullptr, options),
                        newton = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
         EXPECT_EQ(sweeps.status, HMF_OK) << n << ": " << sweeps.error.message;

@@ -620,9 +620,9 @@ TEST(Scaling, RotationKeepsTheEnergy) {
     EXPECT_LT(relative(u.report.energy, v.report.energy), 1e-8);
 }
 
-// --- Residual tolerance ------------------------------------------------------
+// --- Tolerance: of the residual ----------------------------------------------
 
-TEST(ResidualTolerance, ConvergedMeansTheResidual) {
+TEST(Tolerance, ConvergedMeansTheResidual) {
     const Hierarchy hierarchy(pretzel(2, 2), 0.5, coarse_size);
     ASSERT_TRUE(hierarchy);
     const Loops loops = library_loops(hierarchy, 0);
@@ -636,7 +636,7 @@ TEST(ResidualTolerance, ConvergedMeansTheResidual) {
         EXPECT_EQ(rough.report.converged, !sweeps);
         if (sweeps) { EXPECT_GT(rough.report.residual_max, 1e-6); }
 
-        options.residual_tolerance = 1e-6;
+        options.tolerance = 1e-6;
         const Solution fine = solve(hierarchy, &loops, options);
         EXPECT_EQ(fine.status, HMF_OK) << fine.error.message;
         EXPECT_EQ(fine.report.converged, 1);
@@ -657,22 +657,24 @@ TEST(ResidualTolerance, ConvergedMeansTheResidual) {
 }
 
 // Sweeps that cannot move by a unit any more say so.
-TEST(ResidualTolerance, BelowTheUnitSweepsStall) {
+TEST(Tolerance, BelowTheUnitSweepsStall) {
     const Hierarchy hierarchy(torus(12, 8, 3, 1));
     ASSERT_TRUE(hierarchy);
     hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 0, many);
-    options.residual_tolerance = 1e-300;
+    options.tolerance = 1e-300;
     const Solution solution = solve(hierarchy, nullptr, options);
     EXPECT_TRUE(solution.status == HMF_LIMIT_STALLED || solution.report.residual_max == 0) << solution.status;
     EXPECT_EQ(solution.report.converged, solution.status == HMF_OK);
 }
 
-TEST(ResidualTolerance, OutOfRange) {
+TEST(Tolerance, OutOfRange) {
     const Hierarchy hierarchy(torus(12, 8, 3, 1));
     ASSERT_TRUE(hierarchy);
     for (const double tolerance : {-1e-8, 1.0, std::nan("")}) {
         hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 0);
-        options.residual_tolerance = tolerance;
+        options.tolerance = tolerance;
+        EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_ERROR_OPTIONS) << tolerance;
+        options = solve_options(HMF_METHOD_WHITEHEAD, tolerance);
         EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_ERROR_OPTIONS) << tolerance;
     }
 }

@@ -140,7 +140,7 @@ _RANGES: dict[str, str] = {
     "memory_limit": "[1, inf)",
     "mollify": "[0, 0.1]",
     "tolerance": "(0, 1)",
-    "residual_tolerance": "(0, 1)",
+    "energy_tolerance": "(0, 1)",
     "time_limit": "[0, inf)",
     "iteration_limit": "[1, inf)",
     "step_limit": "[1, inf)",

@@ -22,12 +22,12 @@ class RelaxOptions(TypedDict, total=False):
         your mesh alone.  "paper": as "whitehead", with the flips of the
         paper, which may make poles; for comparison.
     tolerance : float, optional
-        newton: largest residual, default 1e-8; the others: relative change
-        of the energy per sweep, default 1e-6.
-    residual_tolerance : float, optional
-        Residual up to which a result counts as converged.  newton: replaces
-        ``tolerance``.  Other methods: sweeps continue until it is reached;
-        by default they stop by the energy, and 1e-8 counts as converged.
+        Largest residual to reach, up to which a result counts as converged;
+        default 1e-8.  The other methods than newton stop by
+        ``energy_tolerance`` if none is given.
+    energy_tolerance : float, optional
+        The other methods: sweeps end when one lowers the energy by less than
+        this part of it, default 1e-6.  It says nothing of the residual.
     time_limit : float, optional
         Seconds; default none.
     iteration_limit : int, optional
@@ -39,7 +39,7 @@ class RelaxOptions(TypedDict, total=False):
 
     method: Method | None
     tolerance: float | None
-    residual_tolerance: float | None
+    energy_tolerance: float | None
     time_limit: float | None
     iteration_limit: int | None
     step_limit: int | None

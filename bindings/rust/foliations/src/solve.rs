@@ -99,20 +99,20 @@ impl<'a> Solver<'a> {
         self
     }
 
-    /// When to stop. [`Method::Newton`]: the largest residual, default 1e-8; the
-    /// others: the relative change of the energy in a sweep, default 1e-6.
+    /// The largest residual to reach, up to which a result counts as converged. Default:
+    /// 1e-8; the other methods than [`Method::Newton`] stop by
+    /// [`energy_tolerance`](Self::energy_tolerance) if none is given.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.refusal.check("tolerance", tolerance, "(0, 1)");
         self.options.tolerance = tolerance;
         self
     }
 
-    /// The largest residual that counts as converged. [`Method::Newton`]: in place
-    /// of the tolerance; the others: sweeps go on until it is reached. Default of
-    /// these: none, and 1e-8 counts as converged.
-    pub fn residual_tolerance(mut self, tolerance: f64) -> Self {
-        self.refusal.check("residual_tolerance", tolerance, "(0, 1)");
-        self.options.residual_tolerance = tolerance;
+    /// Other methods than [`Method::Newton`]: sweeps end when one lowers the energy by
+    /// less than this part of it. Default: 1e-6. It says nothing of the residual.
+    pub fn energy_tolerance(mut self, tolerance: f64) -> Self {
+        self.refusal.check("energy_tolerance", tolerance, "(0, 1)");
+        self.options.energy_tolerance = tolerance;
         self
     }
 

@@ -149,7 +149,7 @@ fn whitehead_agrees_with_newton() {
     for method in [Method::Whitehead, Method::SingleLevel] {
         let coarsest = if method == Method::SingleLevel { 0 } else { hierarchy.coarsest_level() };
         let loops = hierarchy.loops(coarsest, LoopsKind::Cut).unwrap();
-        let report = hierarchy.solver().method(method).loops(&loops).tolerance(1e-7).solve().unwrap().report;
+        let report = hierarchy.solver().method(method).loops(&loops).energy_tolerance(1e-7).solve().unwrap().report;
         assert_eq!(report.method, method);
         assert!(report.levels.iter().any(|level| level.iterations > 0));
         // Only the loops of the coarsest level are those of the default.
