@@ -262,11 +262,11 @@ pub struct hmf_solve_options {
     pub struct_size: u32,
     pub method: i32,
     pub tolerance: f64,
+    pub energy_tolerance: f64,
     pub time_limit: f64,
     pub iteration_limit: u64,
     pub stop_level: u64,
     pub start: *const hmf_foliation,
-    pub residual_tolerance: f64,
     pub step_limit: u64,
 }
 impl Default for hmf_solve_options {

@@ -173,7 +173,8 @@ impl<'a> Builder<'a> {
                 if marks.is_empty() {
                     return Err(error);
                 }
-                let made = self.call_with(&with(&marks, self.options), positions, triangles, sys::hmf_hierarchy_create)?;
+                let made =
+                    self.call_with(&with(&marks, self.options), positions, triangles, sys::hmf_hierarchy_create)?;
                 Ok((made, marks))
             }
             made => Ok((made?, marks.to_vec())),

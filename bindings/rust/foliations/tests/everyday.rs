@@ -71,7 +71,7 @@ fn zeros_are_refused() {
         ("memory_limit: 0", builder().memory_limit(0).build(&positions, &triangles).err()),
         ("solve_limit: 0", builder().even_design(&positions, &triangles, design).err()),
         ("tolerance: 0 is not in (0, 1)", hierarchy.solver().tolerance(0.0).solve().err()),
-        ("residual_tolerance: 0", hierarchy.solver().residual_tolerance(0.0).relax(&foliation).err()),
+        ("energy_tolerance: 0", hierarchy.solver().energy_tolerance(0.0).relax(&foliation).err()),
         ("iteration_limit: 0", hierarchy.solver().iteration_limit(0).solve().err()),
         ("step_limit: 0", hierarchy.solver().step_limit(0).solve().err()),
         ("edge_length: 0", quads(Some(0.0), None).err()),
