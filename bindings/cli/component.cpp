@@ -52,8 +52,8 @@ void Component::refuse(hmf_status status, const std::string& reason) {
 
 hmf_status Component::try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
                                 hmf_error& error) {
-    hmf_hierarchy_options options = {};
-    options.struct_size = sizeof options;
+    hmf_hierarchy_options options;
+    hmf_hierarchy_options_init(&options, sizeof options);
     options.ratio = request.ratio;
     options.mollify = mollify;
     options.coarsest = request.coarsest;
@@ -115,8 +115,8 @@ hmf_status Component::make_design(bool no_poles, hmf_hierarchy_options options, 
                                   hmf_error& error) {
     options.marked_vertices = marks_.data();
     options.marked_count = marks_.size();
-    hmf_design_options of_design = {};
-    of_design.struct_size = sizeof of_design;
+    hmf_design_options of_design;
+    hmf_design_options_init(&of_design, sizeof of_design);
     of_design.build = &options;
     of_design.no_poles = no_poles;
     hmf_design* raw = nullptr;
@@ -188,8 +188,8 @@ const hmf_loop_set& Component::fine_loops(const hmf_control* control) {
 
 void Component::solve(const SolveRequest& request, double time_limit, std::vector<double> weights,
                       const std::vector<double>* start_values, const hmf_control* control) {
-    hmf_solve_options options = {};
-    options.struct_size = sizeof options;
+    hmf_solve_options options;
+    hmf_solve_options_init(&options, sizeof options);
     options.method = request.method;
     options.tolerance = tolerance_ = request.tolerance;
     options.time_limit = time_limit;
@@ -251,8 +251,8 @@ const hmf_cylinder_set* Component::find_cylinders(const hmf_control* control) {
 }
 
 Owned<hmf_lines> Component::trace_cylinders(const hmf_control* control) const {
-    hmf_trace_options options = {};
-    options.struct_size = sizeof options;
+    hmf_trace_options options;
+    hmf_trace_options_init(&options, sizeof options);
     options.critical = 1;
     options.spacing = 1e300; // one level set in each, in the middle
     return make<hmf_lines>(subject_, [&](hmf_lines** out, hmf_error* error) {

@@ -30,8 +30,8 @@ struct Finding {
 };
 
 Finding look_at(const TriangleMesh& mesh, double mollify, const std::string& mesh_name, const hmf_control* control) {
-    hmf_hierarchy_options options = {};
-    options.struct_size = sizeof options;
+    hmf_hierarchy_options options;
+    hmf_hierarchy_options_init(&options, sizeof options);
     // Validation only: one level.
     options.coarsest = mesh.vertex_count();
     options.mollify = mollify;

@@ -35,8 +35,8 @@ void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint
 
 Leaves trace_leaves(const hmf_foliation* foliation, double spacing, bool conjugate, const hmf_control* control,
                     const std::string& subject) {
-    hmf_trace_options options = {};
-    options.struct_size = sizeof options;
+    hmf_trace_options options;
+    hmf_trace_options_init(&options, sizeof options);
     options.critical = 1;
     options.spacing = spacing;
     const auto trace = [&] {

@@ -247,8 +247,8 @@ double Run::choose_period() {
 }
 
 hmf_quad_options Run::quad_wish(const Component& c) const {
-    hmf_quad_options wish = {};
-    wish.struct_size = sizeof wish;
+    hmf_quad_options wish;
+    hmf_quad_options_init(&wish, sizeof wish);
     wish.edge_length = r_.size;
     wish.merge = r_.merges;
     wish.relax = static_cast<uint32_t>(r_.relax);

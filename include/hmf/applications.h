@@ -210,6 +210,9 @@ typedef struct hmf_design_options {
                                     unevenness is above .28 then.  It is passed by a few */
 } hmf_design_options;
 
+/* The defaults, see hmf_control_init. */
+HMF_API void hmf_design_options_init(hmf_design_options *options, uint32_t struct_size);
+
 /* Marked vertices, loops and weights that suit each other, in one block. */
 typedef struct hmf_design {
     uint32_t struct_size;
@@ -259,6 +262,9 @@ typedef struct hmf_parameterize_options {
     const uint32_t *seam_edges;  /* edges where seams cost nothing, so that they run there if they can; NULL = none */
     uint64_t seam_edge_count;
 } hmf_parameterize_options;
+
+/* The defaults, see hmf_control_init. */
+HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options, uint32_t struct_size);
 
 typedef struct hmf_parameterization {
     uint32_t struct_size;
@@ -377,6 +383,9 @@ typedef struct hmf_trace_options {
     uint32_t reserved;           /* 0 */
 } hmf_trace_options;
 
+/* The defaults, see hmf_control_init. */
+HMF_API void hmf_trace_options_init(hmf_trace_options *options, uint32_t struct_size);
+
 typedef struct hmf_line {
     int32_t kind;                /* HMF_LINE_* */
     int32_t closed;              /* 1: the last point joins the first, which is not repeated; 0 */
@@ -492,6 +501,9 @@ typedef struct hmf_quad_options {
                                     leaves */
 } hmf_quad_options;
 
+/* The defaults, see hmf_control_init. */
+HMF_API void hmf_quad_options_init(hmf_quad_options *options, uint32_t struct_size);
+
 typedef struct hmf_quad_mesh {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
@@ -562,6 +574,9 @@ typedef struct hmf_atlas_options {
     double margin;               /* least distance of two charts, as a part of the side of the square, at most 1/16;
                                     half of it is left free along the border; 0 = 1/512 */
 } hmf_atlas_options;
+
+/* The defaults, see hmf_control_init. */
+HMF_API void hmf_atlas_options_init(hmf_atlas_options *options, uint32_t struct_size);
 
 typedef struct hmf_chart_set {
     uint32_t struct_size;

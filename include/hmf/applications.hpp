@@ -38,8 +38,7 @@ public:
 /* hmf_parameterize */
 inline Parameterization parameterize(const Foliation& foliation, const ParameterizeOptions& options = {},
                                      const ProgressFunction& progress = nullptr) {
-    hmf_parameterize_options all = {};
-    all.struct_size = sizeof all;
+    hmf_parameterize_options all = detail::defaults(hmf_parameterize_options_init);
     all.tolerance = options.tolerance;
     all.seam_edges = options.seam_edges.data();
     all.seam_edge_count = options.seam_edges.size();
@@ -80,8 +79,7 @@ inline Leaves trace(const Foliation& foliation, const TraceOptions& options = {}
         throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
                     "There are " + std::to_string(options.point_barycentrics.size()) + " barycentric coordinates for "
                         + std::to_string(options.point_triangles.size()) + " points. Give three for each.");
-    hmf_trace_options all = {};
-    all.struct_size = sizeof all;
+    hmf_trace_options all = detail::defaults(hmf_trace_options_init);
     all.critical = options.critical;
     all.spacing = options.spacing;
     all.length_limit = options.length_limit;
@@ -130,7 +128,7 @@ inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options,
 
 /* edge_length 0: about as many quads as triangles / 2 */
 inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const ProgressFunction& progress = nullptr) {
-    hmf_quad_options options = {};
+    hmf_quad_options options = detail::defaults(hmf_quad_options_init);
     options.edge_length = edge_length;
     return quads(foliation, options, progress);
 }
@@ -144,8 +142,7 @@ public:
 
 /* hmf_atlas; margin 0: 1/512 of the side of the square */
 inline Atlas atlas(const Foliation& foliation, double margin = 0, const ProgressFunction& progress = nullptr) {
-    hmf_atlas_options options = {};
-    options.struct_size = sizeof options;
+    hmf_atlas_options options = detail::defaults(hmf_atlas_options_init);
     options.margin = margin;
     return Atlas(detail::make<hmf_chart_set>(progress, hmf_atlas, foliation.get(), &options));
 }

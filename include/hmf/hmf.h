@@ -49,7 +49,10 @@
  *             then be thread-safe if the objects are shared, and must live as
  *             long as they and the results do.
  *   options   Structures begin with struct_size = sizeof(structure), so that
- *             they can grow.  Zero in any other field means its default:
+ *             they can grow.  Each has a function that sets it and the defaults:
+ *                 hmf_solve_options options;
+ *                 hmf_solve_options_init(&options, sizeof options);
+ *             Zero in any other field means its default, too:
  *             hmf_solve_options options = {sizeof options}.  NULL options are
  *             all defaults.  Structures of results begin with struct_size as
  *             well: fields beyond it are not there.
@@ -253,6 +256,9 @@ typedef struct hmf_control {
     void *parallel_user;
 } hmf_control;
 
+/* Sets struct_size, and every other field to its default.  struct_size: sizeof(hmf_control).  NULL is allowed. */
+HMF_API void hmf_control_init(hmf_control *control, uint32_t struct_size);
+
 /* Frees a result that the library made (hmf_level, hmf_residuals, hmf_singularities
    and the calls of applications.h); NULL is allowed. */
 HMF_API void hmf_free(const void *result);
@@ -287,6 +293,9 @@ typedef struct hmf_hierarchy_options {
                                     report; indices add up to 4 - 4 * genus - marked_count */
     uint64_t marked_count;
 } hmf_hierarchy_options;
+
+/* The defaults, see hmf_control_init. */
+HMF_API void hmf_hierarchy_options_init(hmf_hierarchy_options *options, uint32_t struct_size);
 
 /* An immutable hierarchy of triangle meshes. */
 typedef struct hmf_hierarchy hmf_hierarchy;
@@ -486,6 +495,9 @@ typedef struct hmf_solve_options {
     uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
                                     many as it takes.  Unlike time_limit the same result on every machine */
 } hmf_solve_options;
+
+/* The defaults, see hmf_control_init.  Those that depend on the method stay 0. */
+HMF_API void hmf_solve_options_init(hmf_solve_options *options, uint32_t struct_size);
 
 typedef struct hmf_level_report {
     uint64_t vertices;

@@ -135,12 +135,12 @@ class Foliation;
 
 /* The fields of the C structures; zero means the default.  Some have a type of C++; positions are packed. */
 struct BuildOptions : hmf_hierarchy_options {
-    BuildOptions() : hmf_hierarchy_options{} {}
+    BuildOptions() { hmf_hierarchy_options_init(this, sizeof(hmf_hierarchy_options)); }
     Collapse collapse = Collapse::automatic;
     Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
 struct SolveOptions : hmf_solve_options {
-    SolveOptions() : hmf_solve_options{} {}
+    SolveOptions() { hmf_solve_options_init(this, sizeof(hmf_solve_options)); }
     Method method = Method::automatic;
     const Foliation* start = nullptr; /* instead of loops; borrowed until the call ends */
 };
@@ -210,9 +210,17 @@ struct Delete {
 template <class T>
 using Handle = std::unique_ptr<const T, Delete>;
 
+/* A structure with its defaults. */
+template <class T>
+T defaults(void (*init)(T*, uint32_t)) noexcept {
+    T structure;
+    init(&structure, sizeof structure);
+    return structure;
+}
+
 /* What the innermost Threads object of this thread lends; zero: nothing. */
 inline hmf_control& lent() noexcept {
-    static thread_local hmf_control control = {};
+    static thread_local hmf_control control = defaults(hmf_control_init);
     return control;
 }
 
@@ -220,7 +228,6 @@ inline hmf_control& lent() noexcept {
 class Reporter {
 public:
     explicit Reporter(const ProgressFunction& function) : function_(function), control_(lent()) {
-        control_.struct_size = sizeof control_;
         if (!function_) return;
         control_.progress = report;
         control_.progress_user = this;
@@ -289,7 +296,6 @@ Handle<T> make_of_mesh(const ProgressFunction& progress, Function* function, Spa
 
 inline hmf_hierarchy_options raw(const BuildOptions& options) {
     hmf_hierarchy_options all = options;
-    all.struct_size = sizeof all;
     all.collapse = static_cast<int32_t>(options.collapse);
     all.position_stride = 0; /* packed */
     all.marked_vertices = options.marked_vertices.data();
@@ -468,7 +474,6 @@ template <class Function, class... Arguments>
 Solution solve(const SolveOptions& options, const ProgressFunction& progress, Function* function,
                const Arguments&... arguments) {
     hmf_solve_options all = options;
-    all.struct_size = sizeof all;
     all.method = static_cast<int32_t>(options.method);
     all.start = options.start ? options.start->get() : nullptr;
     const hmf_solve_options* const given = &all;
@@ -514,8 +519,7 @@ public:
     static Design even_design(Span<double> positions, Span<uint32_t> triangles, const DesignOptions& options = {},
                               const ProgressFunction& progress = nullptr) {
         const hmf_hierarchy_options build = detail::raw(options.build);
-        hmf_design_options all = {};
-        all.struct_size = sizeof all;
+        hmf_design_options all = detail::defaults(hmf_design_options_init);
         all.no_poles = options.no_poles;
         all.build = &build;
         all.solve_limit = options.solve_limit;

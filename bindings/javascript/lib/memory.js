@@ -1,6 +1,6 @@
 // The memory of the module as one call sees it: blocks that live as long as
 // the call, structures of the headers, copies of arrays in and out, results of the library.
-import { constants, structures } from '../dist/layout.js';
+import { constants, functions, structures } from '../dist/layout.js';
 
 const decoder = new TextDecoder();
 
@@ -89,12 +89,13 @@ export class Frame {
         return new Type(this.#module.memory.buffer, address, count).slice();
     }
 
-    /** A structure, zero but for struct_size and the given fields; several in a row with count. */
+    /** A structure with its defaults and the given fields; several in a row with count. */
     structure(name, fields = {}, count = 1) {
         const { size } = structures[name];
         const address = this.take(size * count);
         this.#module.bytes.fill(0, address, address + size * count);
-        if (structures[name].fields.struct_size) this.write(name, address, { struct_size: size });
+        if (functions.includes(`${name}_init`)) this.#module.invoke(`${name}_init`, address, size);
+        else if (structures[name].fields.struct_size) this.write(name, address, { struct_size: size });
         this.write(name, address, fields);
         return address;
     }

@@ -35,6 +35,8 @@ def test_header_was_understood() -> None:
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_each_function_is_used(function: str) -> None:
     assert hasattr(lib, function)
+    if function.endswith("_init"):
+        return  # called by the name of the structure
     source = "".join(path.read_text(encoding="utf-8") for path in Path(foliations.__file__).parent.glob("*.py"))
     assert re.search(rf"\b_?lib(\.|, \"){function}\b", source)  # called, or its address taken
 

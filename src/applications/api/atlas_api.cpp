@@ -26,6 +26,12 @@ hmf_status write_charts(const Atlas& made, const Mesh& mesh, const Array<uint32_
 
 } // namespace
 
+extern "C" void hmf_atlas_options_init(hmf_atlas_options* options, uint32_t struct_size) {
+    hmf_atlas_options defaults{};
+    defaults.margin = DEFAULT_MARGIN;
+    init_options(options, struct_size, defaults);
+}
+
 extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_options* options,
                                 const hmf_control* control, hmf_chart_set** out, hmf_error* error) {
     UseEntry entry(foliation, control, error);

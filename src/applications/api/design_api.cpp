@@ -24,6 +24,10 @@ hmf_status take_closed(const hmf_hierarchy& h, Call& call, Found& out) {
 
 } // namespace
 
+extern "C" void hmf_design_options_init(hmf_design_options* options, uint32_t struct_size) {
+    init_options(options, struct_size, {});
+}
+
 extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_count, const uint32_t* triangles,
                                       size_t triangle_count, const hmf_design_options* options,
                                       const hmf_control* control, hmf_design** out, hmf_error* error) {

@@ -28,6 +28,12 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
 
 } // namespace
 
+extern "C" void hmf_parameterize_options_init(hmf_parameterize_options* options, uint32_t struct_size) {
+    hmf_parameterize_options defaults{};
+    defaults.tolerance = HARMONIC_TOLERANCE;
+    init_options(options, struct_size, defaults);
+}
+
 extern "C" hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameterize_options* options,
                                        const hmf_control* control, hmf_parameterization** out, hmf_error* error) {
     UseEntry entry(foliation, control, error);

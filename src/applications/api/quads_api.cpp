@@ -32,6 +32,10 @@ hmf_status read_quad_options(const hmf_quad_options* options, const hmf_foliatio
 
 } // namespace
 
+extern "C" void hmf_quad_options_init(hmf_quad_options* options, uint32_t struct_size) {
+    init_options(options, struct_size, {});
+}
+
 extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* options,
                                 const hmf_control* control, hmf_quad_mesh** out, hmf_error* error) {
     UseEntry entry(foliation, control, error);

@@ -103,6 +103,12 @@ hmf_status hand_over_lines(const hmf_foliation& foliation, Lines& made, Call& ca
 
 } // namespace
 
+extern "C" void hmf_trace_options_init(hmf_trace_options* options, uint32_t struct_size) {
+    hmf_trace_options defaults{};
+    defaults.leaves = HMF_LEAVES_FOLIATION;
+    init_options(options, struct_size, defaults);
+}
+
 extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* options,
                                 const hmf_control* control, hmf_lines** out, hmf_error* error) {
     UseEntry entry(foliation, control, error);

@@ -33,6 +33,15 @@ bool copy_options(const Options* from, Options& to) {
     return reserved_in(to, 0) == 0;
 }
 
+// Writes the defaults, as far as the structure of the caller reaches; what is beyond them is zero.
+template <class Options>
+void init_options(Options* to, uint32_t struct_size, Options defaults) {
+    if (!to || struct_size < sizeof struct_size) return;
+    defaults.struct_size = struct_size;
+    std::memset(static_cast<void*>(to), 0, struct_size);
+    std::memcpy(static_cast<void*>(to), &defaults, std::min<size_t>(struct_size, sizeof defaults));
+}
+
 // As above; fails the call with a sentence that names the structure.
 [[nodiscard]] hmf_status unusable_options(const char* name, Call& call);
 template <class Options>

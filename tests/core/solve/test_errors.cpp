@@ -322,6 +322,46 @@ TEST_F(OnTorus, NullPointers) {
     EXPECT_EQ(hmf_energy(nullptr, nullptr, &value, nullptr), HMF_ERROR_NULL);
 }
 
+// The defaults fill the structure of the caller, whichever version it is of, and nothing beside it.
+template <class Options>
+void expect_defaults(void (*init)(Options*, uint32_t)) {
+    for (const size_t size : {sizeof(Options), size_t{8}, sizeof(Options) + 24}) {
+        SCOPED_TRACE(size);
+        alignas(Options) unsigned char bytes[sizeof(Options) + 32];
+        std::memset(bytes, 0xa5, sizeof bytes);
+        init(reinterpret_cast<Options*>(bytes), static_cast<uint32_t>(size));
+        uint32_t written = 0;
+        std::memcpy(&written, bytes, sizeof written);
+        EXPECT_EQ(written, size);
+        for (size_t i = sizeof(Options); i < sizeof bytes; ++i) EXPECT_EQ(bytes[i], i < size ? 0 : 0xa5) << i;
+        for (size_t i = size; i < sizeof(Options); ++i) EXPECT_EQ(bytes[i], 0xa5) << i;
+    }
+    init(nullptr, sizeof(Options));
+}
+
+TEST_F(OnTorus, OptionsHaveDefaults) {
+    expect_defaults(hmf_control_init);
+    expect_defaults(hmf_hierarchy_options_init);
+    expect_defaults(hmf_solve_options_init);
+    expect_defaults(hmf_design_options_init);
+    expect_defaults(hmf_parameterize_options_init);
+    expect_defaults(hmf_trace_options_init);
+    expect_defaults(hmf_quad_options_init);
+    expect_defaults(hmf_atlas_options_init);
+    hmf_solve_options options;
+    hmf_solve_options_init(&options, sizeof options);
+    EXPECT_EQ(options.method, HMF_METHOD_NEWTON);
+    EXPECT_EQ(options.iteration_limit, 100000u);
+    const Foliation defaults = make<hmf_foliation>(
+        [&](auto out, hmf_error* e) { return hmf_solve_cut_system(hierarchy.get(), nullptr, nullptr, out, e); });
+    const Foliation same = make<hmf_foliation>(
+        [&](auto out, hmf_error* e) { return hmf_solve_cut_system(hierarchy.get(), &options, nullptr, out, e); });
+    EXPECT_EQ(values_of(defaults), values_of(same));
+    hmf_atlas_options atlas;
+    hmf_atlas_options_init(&atlas, sizeof atlas);
+    EXPECT_EQ(atlas.margin, 1.0 / 512);
+}
+
 TEST(Call, NullIsFreed) {
     hmf_hierarchy_destroy(nullptr);
     hmf_foliation_destroy(nullptr);

@@ -170,7 +170,11 @@ def check_range(name: str, value: Any) -> None:
 def structure(ctype: str, **values: Any) -> Any:
     """A structure that begins with its size; None in a field is its default, and counts are checked to fit."""
     fields = dict(ffi.typeof(ctype).fields)
-    result = ffi.new(f"{ctype} *", {"struct_size": ffi.sizeof(ctype)})
+    result = ffi.new(f"{ctype} *")
+    if ctype.endswith(("_options", "_control")):
+        getattr(lib, f"{ctype}_init")(result, ffi.sizeof(ctype))
+    else:
+        result.struct_size = ffi.sizeof(ctype)
     for name, value in values.items():
         if value is not None:
             if ctype.endswith("_options"):

@@ -704,7 +704,12 @@ impl Default for hmf_chart_set {
 extern "C" {
     pub fn hmf_version() -> u32;
     pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
+    pub fn hmf_control_init(control: *mut hmf_control, struct_size: u32);
     pub fn hmf_free(result: *const ::core::ffi::c_void);
+    pub fn hmf_hierarchy_options_init(
+        options: *mut hmf_hierarchy_options,
+        struct_size: u32,
+    );
     pub fn hmf_hierarchy_create(
         positions: *const f64,
         vertex_count: usize,
@@ -755,6 +760,7 @@ extern "C" {
     pub fn hmf_foliation_level(foliation: *const hmf_foliation) -> usize;
     pub fn hmf_foliation_unit(foliation: *const hmf_foliation) -> f64;
     pub fn hmf_foliation_memory(foliation: *const hmf_foliation) -> u64;
+    pub fn hmf_solve_options_init(options: *mut hmf_solve_options, struct_size: u32);
     pub fn hmf_foliation_report(foliation: *const hmf_foliation) -> *const hmf_report;
     pub fn hmf_solve(
         hierarchy: *const hmf_hierarchy,
@@ -831,6 +837,7 @@ extern "C" {
         out: *mut *mut hmf_foliation,
         error: *mut hmf_error,
     ) -> hmf_status;
+    pub fn hmf_design_options_init(options: *mut hmf_design_options, struct_size: u32);
     pub fn hmf_even_design(
         positions: *const f64,
         vertex_count: usize,
@@ -841,6 +848,10 @@ extern "C" {
         out: *mut *mut hmf_design,
         error: *mut hmf_error,
     ) -> hmf_status;
+    pub fn hmf_parameterize_options_init(
+        options: *mut hmf_parameterize_options,
+        struct_size: u32,
+    );
     pub fn hmf_parameterize(
         foliation: *const hmf_foliation,
         options: *const hmf_parameterize_options,
@@ -854,6 +865,7 @@ extern "C" {
         out: *mut *mut hmf_scale,
         error: *mut hmf_error,
     ) -> hmf_status;
+    pub fn hmf_trace_options_init(options: *mut hmf_trace_options, struct_size: u32);
     pub fn hmf_trace(
         foliation: *const hmf_foliation,
         options: *const hmf_trace_options,
@@ -868,6 +880,7 @@ extern "C" {
         out: *mut *mut hmf_cylinder_set,
         error: *mut hmf_error,
     ) -> hmf_status;
+    pub fn hmf_quad_options_init(options: *mut hmf_quad_options, struct_size: u32);
     pub fn hmf_quads(
         foliation: *const hmf_foliation,
         options: *const hmf_quad_options,
@@ -875,6 +888,7 @@ extern "C" {
         out: *mut *mut hmf_quad_mesh,
         error: *mut hmf_error,
     ) -> hmf_status;
+    pub fn hmf_atlas_options_init(options: *mut hmf_atlas_options, struct_size: u32);
     pub fn hmf_atlas(
         foliation: *const hmf_foliation,
         options: *const hmf_atlas_options,
