@@ -459,9 +459,9 @@ class Hierarchy:
             They are not.
         """
         number = as_count(level, "level")
-        # Of a level that does not exist, the error of the library.
-        count = Level(self, number).edge_count
-        given = as_floats(values, count, "values", "edge of the level")
+        if number >= len(self._levels):
+            call(lib.hmf_level, self._pointer, number)  # raises the error of the library
+        given = as_floats(values, self._levels[number].edge_count, "values", "edge of the level")
         made = call(
             lib.hmf_foliation_from_values, self._pointer, number, pointer(given, "double *"), count, progress=progress
         )
