@@ -463,7 +463,7 @@ class Hierarchy:
             call(lib.hmf_level, self._pointer, number)  # raises the error of the library
         given = as_floats(values, self._levels[number].edge_count, "values", "edge of the level")
         made = call(
-            lib.hmf_foliation_from_values, self._pointer, number, pointer(given, "double *"), count, progress=progress
+            lib.hmf_foliation_from_values, self._pointer, number, pointer(given, "double *"), len(given), progress=progress
         )
         return Foliation._of(self, made)
 
