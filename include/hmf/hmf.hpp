@@ -548,7 +548,9 @@ public:
     /* Counts of a level. */
     const LevelInfo& level(std::size_t level) const {
         if (level < level_count()) return info().levels[level];
-        throw Error(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, level, "There is no level " + std::to_string(level) + ".");
+        throw Error(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, level,
+                    "There is no level " + std::to_string(level) + "; the hierarchy has "
+                        + std::to_string(level_count()) + ".");
     }
     LevelMesh mesh(std::size_t level, const ProgressFunction& progress = nullptr) const {
         return LevelMesh(detail::make<hmf_level_mesh>(progress, hmf_level, get(), level));
