@@ -61,7 +61,7 @@ def test_each_error_has_a_class() -> None:
     for name, value in names("HMF_ERROR_").items():
         kind = errors.error_class(value)
         assert issubclass(kind, foliations.Error)
-        assert (kind is foliations.InternalError) == (name in ("INTERNAL", "NULL", "CAPACITY")), name
+        assert (kind is foliations.InternalError) == (name in ("INTERNAL", "NULL", "COUNT")), name
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_each_error_has_a_class() -> None:
         ("HMF_COLLAPSE_", foliations.hierarchy.Collapse),
         ("HMF_LOOPS_", foliations.hierarchy.LoopsKind),
         ("HMF_LEAVES_", foliations.leaves.LeavesKind),
-        ("HMF_LOOP_", foliations.loops.LoopKind),
+        ("HMF_PATH_", foliations.loops.LoopKind),
         ("HMF_CLASS_", foliations.ClassState),
     ],
 )
