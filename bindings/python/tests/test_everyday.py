@@ -337,3 +337,23 @@ def test_a_preview_is_one_call(pretzel: Mesh) -> None:
     assert np.array_equal(preview.values, hierarchy.solve(stop_level=preview.level).values)
     with pytest.raises((ValueError, foliations.LevelError)):
         hierarchy.solve(stop_level=-len(hierarchy.levels) - 1)
+
+
+# --- Arcs ----------------------------------------------------------------------
+
+
+def test_arcs_of_the_library_have_places_and_are_drawn() -> None:
+    points, triangles = ball()
+    cap = foliations.repair(points, triangles[points[triangles].mean(axis=1)[:, 2] > 0])
+    hierarchy = foliations.Hierarchy(cap)
+    loops = hierarchy.loops("cut")
+    assert hierarchy.boundary_count == 1 and loops.arcs.any()
+    rim = np.concatenate(hierarchy.boundaries)
+    edges = [(rim[i - 1], rim[i]) for i in range(len(rim))]
+    middles = np.array([hierarchy.levels[0].positions[list(edge)].mean(axis=0) for edge in edges])
+    for curve, arc, loop in zip(loops.positions(hierarchy), loops.arcs, loops):
+        assert len(curve) == len(loop) + bool(arc)
+        for end in curve[[0, -1]] if arc else []:
+            assert np.abs(middles - end).sum(axis=1).min() < 1e-12
+    pytest.importorskip("matplotlib").use("Agg")
+    assert foliations.plot(hierarchy.solve(loops), loops=loops).figure is not None

@@ -298,9 +298,12 @@ def plot(
     if loops is None and quads is None and leaves is None:
         loops = foliation.loops
     if loops is not None and loops is not False:
-        for points in as_loops(loops, None).positions(foliation.hierarchy):
+        shown_loops = as_loops(loops, None)
+        for points, arc in zip(shown_loops.positions(foliation.hierarchy), shown_loops.arcs):
             path = points @ frame.T
-            draw(path, np.roll(path, -1, axis=0), loop_color, 3.0, 3)
+            following = np.roll(path, -1, axis=0)
+            count = len(path) - bool(arc)
+            draw(path[:count], following[:count], loop_color, 3.0, 3)
     if zeros:
         marks = foliation.singularities().zeros
         places = np.array([zero.position for zero in marks]).reshape(-1, 3) @ frame.T

@@ -73,7 +73,11 @@ def show(
         following[leaves.offsets[1:].astype(np.int64) - 1] = leaves.offsets[:-1]
         segments = np.stack([np.arange(len(following)), following], axis=1)
         zeros = np.array([zero.position for zero in foliation.singularities().zeros]).reshape(-1, 3)
-        curves = [] if loops is None else list(as_loops(loops, None).positions(foliation.hierarchy))
+        shown = None if loops is None else as_loops(loops, None)
+        curves = [] if shown is None else list(shown.positions(foliation.hierarchy))
+        for number, arc in enumerate([] if shown is None else shown.arcs):
+            if arc:  # there and back, as the curves are closed
+                curves[number] = np.vstack([curves[number], curves[number][-2:0:-1]])
         draw = _polyscope if name == "polyscope" else _pyvista
         return draw(module, foliation, (np.array(leaves.points), segments), zeros, curves, wait)
     raise ImportError("show needs Polyscope or PyVista: pip install polyscope, or pip install pyvista.")

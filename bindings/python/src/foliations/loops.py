@@ -205,20 +205,26 @@ class Loops(Sequence[Indices]):
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     def positions(self, hierarchy: Hierarchy) -> tuple[Floats, ...]:
-        """Of each loop (length, 3) float64: its vertices, or the middles of the edges that its triangles share.
+        """Of each loop (n, 3) float64: its vertices, or the middles of the edges that its triangles cross.
 
-        The last point joins the first, which is not repeated.
+        The last point joins the first, which is not repeated; those of an arc are its ends.
         """
         level = hierarchy.levels[self._level]
         if self._kind == "vertices":
             return tuple(level.positions[loop] for loop in self)
+        uses = np.bincount(level.triangle_edges.reshape(-1), minlength=level.edge_count)
         result = []
-        for loop in self:
+        for loop, arc in zip(self, self.arcs.tolist()):
             edges = level.triangle_edges[loop]
             shared = (edges[:, :, None] == np.roll(edges, -1, axis=0)[:, None, :]).any(axis=2)
+            shared = shared[:-1] if arc else shared
             if not shared.any(axis=1).all():
                 raise ValueError("consecutive triangles of a loop share no edge: it is not of this hierarchy.")
-            crossed = edges[np.arange(len(edges)), shared.argmax(axis=1)]
+            crossed = edges[np.arange(len(shared)), shared.argmax(axis=1)].tolist()
+            if arc:  # sides of its ends, counted from 1; 0: the first on the boundary
+                ends = (edges[0], arc // 2 % 4), (edges[-1], arc // 8 % 4)
+                first, last = (own[side - 1] if side else own[np.argmin(uses[own])] for own, side in ends)
+                crossed = [first, *crossed, last]
             result.append(level.positions[level.edges[crossed]].mean(axis=1))
         return tuple(result)
 
