@@ -289,6 +289,11 @@ typedef struct hmf_parameterization {
     double area;                 /* of the image: the energy, up to discretization */
     uint64_t linear_iterations;
     double seconds;
+    /* What the checks measured; the bounds are below. */
+    double energy_ratio;         /* energy of du / energy of the foliation; not 1 where zeros move to vertices */
+    double area_error;           /* relative difference of the area of the image and the energy of du */
+    double circumference_least;  /* circumference of a cylinder by du / by the foliation, the smallest of all */
+    double circumference_most;   /* and the largest */
 } hmf_parameterization;
 
 /*
@@ -320,14 +325,16 @@ typedef struct hmf_parameterization {
  * goes round) triangles are degenerate.
  *
  * Checked before it is returned: u is harmonic where the foliation is; the energy of du
- * is between 0.9 and 1.5 times that of the foliation; du and dv are closed in every
- * triangle; the linear solves have converged; the area of the image is the energy of du
- * up to 1e-4.
+ * is between 0.9 and 1.5 times that of the foliation; the circumference of every
+ * cylinder is between 0.5 and 2 times that of the foliation, and the sum of height *
+ * circumference is the energy of du up to 1e-4, which tests the periods of du on every
+ * handle; du and dv are closed in every triangle; the linear solves have converged; the
+ * area of the image is the energy of du up to 1e-4.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC,
  * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that it has no vertex for each
- * zero or that moving them there changes the energy by more, or an error of classes
- * 100, 200, 500.
+ * zero or that moving them there changes the energy or a cylinder by more, or an error
+ * of classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
                                     const hmf_control *control, hmf_parameterization **out, hmf_error *error);
@@ -411,6 +418,9 @@ typedef struct hmf_lines {
     const double *points;        /* point_count x 3 coordinates */
     const uint32_t *point_edges; /* point_count edges of the level that the points lie on; HMF_NONE for the middle of
                                     a zero in a triangle */
+    uint64_t compared_count;     /* pairs of neighboring points that were checked, see below */
+    double deviation;            /* largest difference of the values at both points of a pair, in the unit of the
+                                    values */
 } hmf_lines;
 
 /*
@@ -432,6 +442,13 @@ typedef struct hmf_lines {
  * zeros end at another zero or at the length limit, those through points close or
  * end at the limit.  begin_zero, end_zero, height and, but for level sets,
  * cylinder are not set.
+ *
+ * Checked before they are returned, against the values and by the coordinates: both
+ * points of a pair lie on sides of one triangle, and on one leaf up to rounding.  Pairs
+ * are the ends of closed leaves, and neighbors evenly spread over all lines: about one
+ * for 64 edges of the level and one for 128 points, or all if there are fewer.  Each
+ * cylinder has as many level sets as stated, all of them closed unless there is a length
+ * limit; conjugate ones go from side to side.
  *
  * With boundary the leaves are those of the double, cut at the boundary (level 0):
  * a leaf can give several lines, with the same source, in the order along it;
@@ -463,6 +480,8 @@ typedef struct hmf_cylinder_set {
     const hmf_cylinder *list;    /* count; the order is that of hmf_line.cylinder */
     const hmf_loop_set *leaves;  /* the leaf in the middle of each as a triangle loop of the level; weights: the
                                     heights.  Part of this block: not to be freed on its own */
+    double area_error;           /* relative difference of the sum of height * circumference and the energy, at most
+                                    1e-4; with boundary those of the double */
 } hmf_cylinder_set;
 
 /*
@@ -592,6 +611,9 @@ typedef struct hmf_chart_set {
                                     where the foliation is nearly 0 */
     double unevenness;           /* standard deviation over the surface of the logarithm of the scale, which is the root
                                     of (area in the square / area in space); collapsed triangles left out */
+    uint64_t speck_count;        /* triangles that the check of overlaps leaves out: those without area in the square,
+                                    and those less than a millionth of it across */
+    uint64_t compared_edges;     /* edges of charts that the check compared */
 } hmf_chart_set;
 
 /*
@@ -611,8 +633,10 @@ typedef struct hmf_chart_set {
  * there is no room for that; those that overlap another one lie next to a neighbor,
  * too.  What finds no room becomes a chart of its own.  Orientation is that of the triangles.
  *
- * No two triangles of a chart have common inner points, but for collapsed ones:
- * that is checked in integers, on a grid of 2^28 units along the root of the area.
+ * No two triangles have common inner points, but for specks (speck_count), and all others
+ * have positive area.  That is checked before the charts are returned, in integers, on a
+ * grid of 2^28 units along the root of the area: no two edges of charts cross, and the
+ * winding number is 1 on their inner side, 0 on the outer one.
  * Charts are as far apart as the margin along u or along v.  Fewer, larger charts
  * come from even loops and weights: hmf_even_design.  Of a surface with boundary charts
  * are straight where they end at it, and edges of the boundary are no seams.

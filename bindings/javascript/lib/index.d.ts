@@ -322,7 +322,7 @@ export interface Foliation extends Disposable {
     /** A global conformal parameterization (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
     parameterize(options?: ParameterizeOptions): Parameterization;
     /** Leaves as polylines; without options those between zeros. */
-    trace(options?: TraceOptions): Line[];
+    trace(options?: TraceOptions): Lines;
     /**
      * The critical leaves cut the surface into one cylinder for each loop,
      * filled with closed leaves of its class.  With the loops that the foliation
@@ -398,6 +398,10 @@ export interface Atlas {
     collapsedTriangles: number;
     /** Standard deviation over the surface of the logarithm of the scale. */
     unevenness: number;
+    /** Triangles that the check of overlaps leaves out: those without area in the square, and those less than a millionth of it across. */
+    speckCount: number;
+    /** Edges of charts that the check compared. */
+    comparedEdges: number;
 }
 
 export interface Cylinders {
@@ -405,6 +409,8 @@ export interface Cylinders {
     list: Cylinder[];
     /** The leaf in the middle of each, as a loop of triangles of the level; weights: the heights. */
     leaves: LoopSet;
+    /** Relative difference of the sum of height * circumference and the energy. */
+    areaError: number;
 }
 
 /** In the flat metric du^2 + dv^2. */
@@ -459,6 +465,22 @@ export interface Parameterization {
     area: number;
     linearIterations: number;
     seconds: number;
+    /** Energy of du / energy of the foliation; not 1 where zeros move to vertices. */
+    energyRatio: number;
+    /** Relative difference of the area of the image and the energy of du. */
+    areaError: number;
+    /** Circumference of a cylinder by du / by the foliation, the smallest of all. */
+    circumferenceLeast: number;
+    /** And the largest. */
+    circumferenceMost: number;
+}
+
+/** Leaves, and what their check measured. */
+export interface Lines extends Array<Line> {
+    /** Pairs of points that were checked: whether both lie on one leaf. */
+    comparedCount: number;
+    /** Largest difference of the values at both points of a pair. */
+    deviation: number;
 }
 
 export interface TraceOptions extends ProgressOptions {

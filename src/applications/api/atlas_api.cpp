@@ -1,6 +1,7 @@
 // applications.h: atlas.
 #include "../atlas/atlas.hpp"
 #include "../atlas/atlas_measures.hpp"
+#include "../atlas/check_atlas.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../../core/api/result.hpp"
 #include "use_entry.hpp"
@@ -10,6 +11,16 @@ using namespace hmf;
 namespace {
 
 constexpr double DEFAULT_MARGIN = 1.0 / 512, MOST_MARGIN = 1.0 / 16;
+
+hmf_status check_overlaps(const Atlas& made, const Mesh& mesh, const Array<uint32_t>& side, AtlasCheck& found,
+                          Call& call) {
+    if (check_atlas(made, mesh, side, found, call)) return call.status();
+    if (found.turned == 0 && found.crossings == 0) return HMF_OK;
+    return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                     "%llu triangles of the atlas are turned over, and %llu edges of charts overlap others. Please "
+                     "report it.",
+                     static_cast<unsigned long long>(found.turned), static_cast<unsigned long long>(found.crossings));
+}
 
 // Corners and charts, triangle by triangle.  side: of each triangle of the caller.
 hmf_status write_charts(const Atlas& made, const Mesh& mesh, const Array<uint32_t>& side, hmf_chart_set& to,
@@ -63,8 +74,10 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
         || made.build(f.mesh, position, flat.flat->bundle, strips, all.margin > 0 ? all.margin : DEFAULT_MARGIN, call))
         return call.status();
     AtlasMeasures measures;
+    AtlasCheck found;
     if (!side_of_triangles(h, level, side, call)) return call.stopped();
-    if (measure_atlas(made, f.mesh, position, side, measures, call)) return call.status();
+    if (check_overlaps(made, f.mesh, side, found, call) || measure_atlas(made, f.mesh, position, side, measures, call))
+        return call.status();
     hmf_chart_set counts{};
     counts.struct_size = sizeof counts;
     counts.triangle_count = h.shown_triangles(level);
@@ -74,6 +87,8 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     counts.unevenness = measures.unevenness;
     counts.seam_edge_count = measures.seam_edges;
     counts.seam_length = measures.seam_length / h.scale;
+    counts.speck_count = found.specks;
+    counts.compared_edges = found.edges;
     ResultBlock block;
     block.room(counts, counts.corner_uv, 6 * counts.triangle_count);
     block.room(counts, counts.triangle_chart, counts.triangle_count);

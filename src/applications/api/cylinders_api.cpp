@@ -38,12 +38,14 @@ hmf_status keep_front_of_set(const hmf_hierarchy& h, const hmf_loop_set& loops, 
 }
 
 // At the minimum the cylinders fill the surface: their areas, each found from one leaf, add up to the energy.
-hmf_status check_sum_of_areas(const Array<hmf_cylinder>& list, const State& solved, double unit, Call& call) {
+hmf_status check_sum_of_areas(const Array<hmf_cylinder>& list, const State& solved, double unit, double& error,
+                              Call& call) {
     constexpr double largest = 1e-4; // tests: 1e-6
     const double whole = energy(solved.foliation, solved.hierarchy->levels[solved.level].weight) * unit * unit;
     double sum = 0;
     for (const hmf_cylinder& cylinder : list) sum += cylinder.height * cylinder.circumference;
-    if (std::fabs(sum - whole) <= largest * whole) return HMF_OK;
+    error = std::fabs(sum / whole - 1);
+    if (error <= largest) return HMF_OK;
     return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                      "The areas of the cylinders add up to %.9g times the energy. Please report it.", sum / whole);
 }
@@ -77,12 +79,12 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
         heights[c] = static_cast<double>(leaves.cylinders.list[c].height) * foliation->unit;
         list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
     }
-    double unit = foliation->unit;
+    double unit = foliation->unit, area_error = 0;
     if (load_solved_in_unit_of_values(*foliation, solved, call)
         || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
         || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &of_loops : nullptr, solved,
                              unit, list, call)
-        || check_sum_of_areas(list, solved, unit, call))
+        || check_sum_of_areas(list, solved, unit, area_error, call))
         return call.status();
 
     Array<uint8_t> arcs;
@@ -93,7 +95,7 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
     struct Made {
         hmf_cylinder_set set;
         hmf_loop_set leaves;
-    } made{{sizeof(hmf_cylinder_set), 0, count, nullptr, nullptr},
+    } made{{sizeof(hmf_cylinder_set), 0, count, nullptr, nullptr, area_error},
            {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, foliation->level, count, nullptr, nullptr, nullptr, nullptr,
             nullptr}};
     ResultBlock block;

@@ -61,6 +61,10 @@ extern "C" hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf
     hmf_parameterization counts{};
     counts.struct_size = sizeof counts;
     counts.linear_iterations = flat.flat->iterations;
+    counts.energy_ratio = flat.flat->figures.energy_ratio;
+    counts.area_error = flat.flat->figures.area_error;
+    counts.circumference_least = flat.flat->figures.circumference_least;
+    counts.circumference_most = flat.flat->figures.circumference_most;
     counts.vertex_count = h.shown_vertices(level);
     counts.edge_count = h.shown_edges(level);
     counts.triangle_count = h.shown_triangles(level);

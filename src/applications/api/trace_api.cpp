@@ -1,4 +1,5 @@
 // applications.h: trace.
+#include "../lines/check_lines.hpp"
 #include "../lines/front_lines.hpp"
 #include "../lines/trace.hpp"
 #include "../cylinders/to_minimum.hpp"
@@ -64,9 +65,61 @@ Done in_pieces(size_t n, double fraction, Call& call, F f) {
     return true;
 }
 
-// Lines that are made, as the caller gets them.
-hmf_status hand_over_lines(const hmf_foliation& foliation, Lines& made, Call& call, hmf_lines** out) {
+// A part of the points, so that the check costs little beside the lines and what they are made from.
+hmf_status compare_points(const Lines& made, const Foliation& f, const double* position, LineCheck& found, Call& call) {
+    const uint64_t most = f.mesh.edge_count / 64 + made.edges.size() / 128 + 1;
+    if (check_lines(made, f, position, most, found, call)) return call.status();
+    if (found.wrong == 0) return HMF_OK;
+    return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                     "Leaves do not follow the foliation: %llu of %llu pairs of points that were compared do not lie "
+                     "on one leaf. Please report it.",
+                     static_cast<unsigned long long>(found.wrong), static_cast<unsigned long long>(found.pairs));
+}
+
+// By the heights of the cylinders, each has as many level sets as it should, and all of them close.
+hmf_status count_levels(const Lines& made, const Cylinders& cylinders, double unit, double spacing, Call& call) {
+    Array<uint32_t> count;
+    if (!count.allocate_filled(call.memory, cylinders.list.size(), 0)) return call.out_of_memory();
+    uint64_t open = 0, wrong = 0;
+    for (const hmf_line& line : made.list) {
+        if (line.kind != HMF_LINE_LEVEL) continue;
+        ++count[line.cylinder];
+        open += !line.closed && !made.limited(HUGE_VAL);
+    }
+    for (size_t c = 0; c < count.size(); ++c) {
+        const double wanted = static_cast<double>(cylinders.list[c].height) * unit / spacing;
+        wrong += std::fabs(std::max(wanted, 1.0) - count[c]) > 0.5 + 1e-9 * wanted;
+    }
+    if (open > 0)
+        return call.fail(
+            HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+            "%llu leaves do not close after 64 crossings of each edge. Pass values as the library returned "
+            "them for loops.",
+            static_cast<unsigned long long>(open));
+    if (wrong == 0) return HMF_OK;
+    return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                     "%llu cylinders have another number of leaves than their height asks for. Please report it.",
+                     static_cast<unsigned long long>(wrong));
+}
+
+// Every conjugate line across a cylinder goes from side to side.
+hmf_status check_across(const Lines& made, const Mesh& mesh, const FlatSurface& flat, const double* position,
+                        const Array<double>& height, Call& call) {
+    uint64_t wrong = 0;
+    const uint64_t most = mesh.edge_count / 64 + made.edges.size() / 128 + 1;
+    if (check_crossings(made, mesh, flat, position, height, most, wrong, call)) return call.status();
+    if (wrong == 0) return HMF_OK;
+    return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                     "Along %llu lines across cylinders u does not change by the height. Please report it.",
+                     static_cast<unsigned long long>(wrong));
+}
+
+// Lines that are made, as the caller gets them.  f: what they follow, in this unit.
+hmf_status hand_over_lines(const hmf_foliation& foliation, const Foliation& f, double unit, Lines& made, Call& call,
+                           hmf_lines** out) {
     const hmf_hierarchy& h = *foliation.hierarchy;
+    LineCheck found;
+    if (compare_points(made, f, h.levels[foliation.level].position, found, call)) return call.status();
     if (foliation.level == 0) {
         Array<uint32_t> caller;
         if (inverse_numbers(h.edge_internal, h.input.edge_count, caller, call)) return call.status();
@@ -78,7 +131,12 @@ hmf_status hand_over_lines(const hmf_foliation& foliation, Lines& made, Call& ca
         if (h.is_double() && keep_front(h, made, call)) return call.status();
     }
     for (hmf_line& line : made.list) line.length /= h.scale;
-    hmf_lines lines{sizeof(hmf_lines), 0, made.list.size(), made.edges.size(), nullptr, nullptr, nullptr, nullptr};
+    hmf_lines lines{};
+    lines.struct_size = sizeof lines;
+    lines.line_count = made.list.size();
+    lines.point_count = made.edges.size();
+    lines.compared_count = found.pairs;
+    lines.deviation = found.deviation * unit;
     ResultBlock block;
     block.array(lines, lines.lines, made.list.size(), made.list.data());
     block.array(lines, lines.offsets, made.offsets.size(), made.offsets.data());
@@ -125,8 +183,11 @@ extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_
         if (leaves.load(*foliation, call)) return call.status();
         Lines made(leaves.state.foliation, level.position, foliation->unit, all.length_limit, call);
         if (!made.start()) return call.out_of_memory();
-        if (trace_leaves(all, side, leaves.cylinders, made, call)) return call.status();
-        return hand_over_lines(*foliation, made, call, out) ? call.status() : entry.end();
+        if (trace_leaves(all, side, leaves.cylinders, made, call)
+            || (all.spacing > 0 && count_levels(made, leaves.cylinders, foliation->unit, all.spacing, call)))
+            return call.status();
+        return hand_over_lines(*foliation, leaves.state.foliation, foliation->unit, made, call, out) ? call.status()
+                                                                                                     : entry.end();
     }
     ConjugateLevels levels;
     if (all.spacing > 0) {
@@ -142,7 +203,8 @@ extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_
     if (load_values(*foliation, foliation->level, state, call)) return call.status();
     Lines made(state.foliation, level.position, foliation->unit, all.length_limit, call);
     if (!made.start()) return call.out_of_memory();
-    if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call))
+    if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call)
+        || check_across(made, state.foliation.mesh, *flat.flat, level.position, levels.height, call))
         return call.status();
-    return hand_over_lines(*foliation, made, call, out) ? call.status() : entry.end();
+    return hand_over_lines(*foliation, state.foliation, flat.unit, made, call, out) ? call.status() : entry.end();
 }

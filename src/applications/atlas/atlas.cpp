@@ -31,6 +31,7 @@ public:
         if (!out.uv.allocate_filled(call_.memory, size_t{4} * pieces_.mesh.edge_count, 0)) return call_.out_of_memory();
         for (uint32_t t = 0; t < pieces_.side.size(); ++t)
             if (grid_.chart[t] != NONE) place(t, out);
+        out.side = packer_.side();
         out.used_area = area_ / (packer_.side() * packer_.side());
         return HMF_OK;
     }

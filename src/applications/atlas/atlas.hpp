@@ -12,6 +12,7 @@ struct Atlas {
     Array<double> uv;      // per half-edge 2: of the corner origin(h) of face(h)
     Array<uint32_t> chart; // per face; NONE behind
     uint32_t chart_count = 0;
+    double side = 0;        // of the square, in units of which all coordinates are whole multiples
     double used_area = 0;   // of the square
     uint64_t collapsed = 0; // triangles
 

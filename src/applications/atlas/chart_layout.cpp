@@ -9,7 +9,6 @@ namespace hmf {
 
 namespace {
 
-constexpr int64_t SPECK = 256;        // grid units: triangles below a millionth of the square are not looked at
 constexpr int PASSES = 3;             // over triangles that may go over to a neighbor
 constexpr uint32_t MOST_TRIED = 200;  // of those that overlap, in each pass
 constexpr int LAYOUT_ROUNDS = 8;      // of islands that move; in the last one all become charts

@@ -7,6 +7,7 @@
 namespace hmf {
 
 constexpr double GRID = 1 << 28; // units along a square as large as all charts
+constexpr int64_t SPECK = 256;   // units: triangles below a millionth of the square are not looked at
 
 class ChartLayout {
 public:

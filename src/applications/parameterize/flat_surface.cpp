@@ -6,6 +6,7 @@
 // du is made harmonic again with the signs fixed: a linear problem, with the same matrix as for dv.
 #include "flat_surface.hpp"
 
+#include "check_cylinders.hpp"
 #include "harmonic_form.hpp"
 
 #include <cmath>
@@ -36,10 +37,27 @@ hmf_status check_energy(double energy, double of_foliation, Call& call) {
                      ratio);
 }
 
+// Each cylinder is about as wide as that of F, and has its height.
+hmf_status check_each_cylinder(State& state, const ZeroList& zeros, FlatSurface& flat, double energy, Call& call) {
+    constexpr double least = 0.5, most = 2, largest = 1e-4; // measured: 1e-6
+    CylinderCheck found;
+    if (check_cylinders(state, zeros, flat.bundle, flat.du, found, call)) return call.status();
+    flat.figures.circumference_least = found.least;
+    flat.figures.circumference_most = found.most;
+    const double off = std::fabs(found.area / energy - 1);
+    if (found.crossed == 0 && found.least > least && found.most < most && off < largest) return HMF_OK;
+    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                     "The mesh is too coarse: with the zeros at vertices the circumferences of cylinders are %.3g to "
+                     "%.3g times those of the foliation, their areas are %.3g times the energy, and %llu are crossed "
+                     "by a zero. Subdivide it.",
+                     found.least, found.most, found.area / energy, static_cast<unsigned long long>(found.crossed));
+}
+
 // By Riemann's bilinear relation the area of the image is the energy of du, whatever du is.
-hmf_status check_image(const ImageSum& image, double energy, Call& call) {
+hmf_status check_image(const ImageSum& image, double energy, double& error, Call& call) {
     constexpr double largest = 1e-4; // measured: 5e-6
-    if (image.open == 0 && std::fabs(image.area - energy) <= largest * energy) return HMF_OK;
+    error = std::fabs(image.area / energy - 1);
+    if (image.open == 0 && error <= largest) return HMF_OK;
     return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                      "(u, v) is not closed in %llu triangles, or its area is not the energy but %.9g times that. "
                      "Please report it.",
@@ -57,9 +75,10 @@ hmf_status flat_surface(State& state, double residual, FlatSurface& flat, Call& 
     const double* weight = state.hierarchy->levels[state.level].weight;
     const double of_foliation = energy_of(f.value, f.mesh, weight, call.parallel);
     Array<uint8_t> untouched;
+    ZeroList zeros;
     VertexCharts charts;
     TwistedLaplacian laplacian;
-    if (form_of_foliation(f, weight, of_foliation, flat.bundle, flat.du, untouched, call)) return call.status();
+    if (form_of_foliation(f, weight, of_foliation, flat.bundle, flat.du, untouched, zeros, call)) return call.status();
     if (!call.tick(0.05)) return call.was_cancelled();
     if (!charts.build(f.mesh, flat.bundle, call)) return call.stopped();
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
@@ -71,13 +90,16 @@ hmf_status flat_surface(State& state, double residual, FlatSurface& flat, Call& 
     if (!call.tick(0.5)) return call.was_cancelled();
     const double energy = energy_of(flat.du.value.data(), f.mesh, weight, call.parallel);
     if (const hmf_status status = check_energy(energy, of_foliation, call)) return status;
+    if (const hmf_status status = check_each_cylinder(state, zeros, flat, energy, call)) return status;
+    flat.figures.energy_ratio = energy / of_foliation;
     if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call))
         return call.cancelled() ? call.was_cancelled() : call.status();
     if (!call.tick(0.6)) return call.was_cancelled();
     if (const hmf_status status = laplacian.make_harmonic(flat.dv, tolerance, call, {})) return status;
     if (!call.tick(0.8)) return call.was_cancelled();
     flat.iterations = laplacian.iterations();
-    return check_image(sum_image(f.mesh, flat.bundle, flat.du, flat.dv, call.parallel), energy, call);
+    return check_image(sum_image(f.mesh, flat.bundle, flat.du, flat.dv, call.parallel), energy, flat.figures.area_error,
+                       call);
 }
 
 Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call) {

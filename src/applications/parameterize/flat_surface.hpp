@@ -7,10 +7,18 @@
 
 namespace hmf {
 
+// What the checks of du and dv measured; 1, or 0 for the error, where nothing is lost.
+struct FlatFigures {
+    double energy_ratio = 1;                                // of du, divided by that of the foliation
+    double area_error = 0;                                  // of the image, relative to the energy
+    double circumference_least = 1, circumference_most = 1; // of cylinders, by du divided by that of the foliation
+};
+
 struct FlatSurface {
     SignBundle bundle;
     TwistedForm du, dv;
     uint32_t iterations = 0; // of the linear solver
+    FlatFigures figures;
 };
 
 // state: a harmonic foliation on the intrinsic side of its level, up to a residual.  The values

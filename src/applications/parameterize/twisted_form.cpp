@@ -60,10 +60,10 @@ constexpr int32_t PRUNED = INT32_MIN;       // order of a vertex of a limb: 0
 class FormOfFoliation {
 public:
     FormOfFoliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle, TwistedForm& du,
-                    Array<uint8_t>& untouched, Call& call) :
+                    Array<uint8_t>& untouched, ZeroList& zeros, Call& call) :
         f_(f),
-        mesh_(f.mesh), weight_(weight), energy_(energy), bundle_(bundle), du_(du), untouched_(untouched), call_(call),
-        memory_(call.memory) {}
+        mesh_(f.mesh), weight_(weight), energy_(energy), bundle_(bundle), du_(du), untouched_(untouched), zeros_(zeros),
+        call_(call), memory_(call.memory) {}
 
     hmf_status run() {
         const uint32_t m = mesh_.edge_count, n = mesh_.vertex_count;
@@ -89,7 +89,9 @@ public:
             if (h != NONE) move_to_branch_point(h);
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!count_orders()) return call_.stopped();
-        return drag_zeros();
+        if (const hmf_status status = drag_zeros()) return status;
+        tripod_.swap(zeros_.tripods);
+        return HMF_OK;
     }
 
 private:
@@ -212,11 +214,13 @@ private:
     hmf_status drag_zeros() {
         Array<uint32_t> even;
         even.start(memory_);
+        zeros_.vertices.start(memory_);
         size_t places = 0;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return call_.was_cancelled();
             taken_[v] = mesh_.is_marked(v) || (order_[v] != 0 && order_[v] != PRUNED);
             places += !taken_[v];
+            if (order_[v] != 0 && !zeros_.vertices.push(v)) return call_.stopped();
             if (taken_[v] && order_[v] % 2 == 0 && !is_coclosed(v) && !even.push(v)) return call_.stopped();
         }
         const size_t zeros = without_corner_.size() + even.size();
@@ -327,6 +331,7 @@ private:
     SignBundle& bundle_;
     TwistedForm& du_;
     Array<uint8_t>& untouched_;
+    ZeroList& zeros_;
     Call& call_;
     Memory& memory_;
     Array<int8_t> sign_;             // per half-edge: of du in the chart of its face
@@ -341,8 +346,8 @@ private:
 } // namespace
 
 hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle,
-                             TwistedForm& du, Array<uint8_t>& untouched, Call& call) {
-    return FormOfFoliation(f, weight, energy, bundle, du, untouched, call).run();
+                             TwistedForm& du, Array<uint8_t>& untouched, ZeroList& zeros, Call& call) {
+    return FormOfFoliation(f, weight, energy, bundle, du, untouched, zeros, call).run();
 }
 
 ImageSum sum_image(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,

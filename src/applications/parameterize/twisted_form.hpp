@@ -15,6 +15,7 @@
 
 #include "../../core/foliation/foliation.hpp"
 #include "../../core/hierarchy/hierarchy.hpp"
+#include "../../core/leaves/critical_graph.hpp"
 #include "stars.hpp"
 
 namespace hmf {
@@ -49,9 +50,9 @@ struct VertexCharts {
 // the zero in each moves to one of its corners, or to a vertex near by.
 // HMF_ERROR_UNSUPPORTED if the mesh is so coarse that there are not enough.
 // energy: of the foliation, in units.  untouched: per vertex, no zero is there, came, or passed by; so the fluxes of du
-// are those of the foliation.
+// are those of the foliation.  zeros: of the foliation, without the marked vertices that are none.
 [[nodiscard]] hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle,
-                                           TwistedForm& du, Array<uint8_t>& untouched, Call& call);
+                                           TwistedForm& du, Array<uint8_t>& untouched, ZeroList& zeros, Call& call);
 
 // Sums over the triangles: whether both forms are closed, and the area of the image.
 struct ImageSum {

@@ -7,10 +7,11 @@ export function cylinders(foliation, options) {
     const given = optionsOf(options, 'options', ['loops', 'progress']);
     return foliation.perform(given, (frame, address) => {
         const result = frame.result('hmf_cylinders', address, writeLoops(frame, given.loops));
-        const { count, list, leaves } = frame.read('hmf_cylinder_set', result);
+        const { count, list, leaves, area_error } = frame.read('hmf_cylinder_set', result);
         return {
             list: frame.list('hmf_cylinder', list, count).map(one => ({ ...one, loop: orNull(one.loop) })),
             leaves: readLoops(frame, leaves),
+            areaError: area_error,
         };
     });
 }

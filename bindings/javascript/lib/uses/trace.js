@@ -30,9 +30,9 @@ export function trace(foliation, options) {
     const given = optionsOf(options, 'options', ['leaves', 'critical', 'spacing', 'lengthLimit', 'through', 'progress']);
     return foliation.perform(given, (frame, address) => {
         const result = frame.result('hmf_trace', address, writeOptions(frame, given));
-        const { line_count, point_count, lines } = frame.read('hmf_lines', result);
+        const { line_count, point_count, lines, compared_count, deviation } = frame.read('hmf_lines', result);
         const { offsets, points, pointEdges } = frame.arrays('hmf_lines', result, { offsets: line_count + 1, points: 3 * point_count, point_edges: point_count });
-        return frame.list('hmf_line', lines, line_count).map((line, i) => {
+        const list = frame.list('hmf_line', lines, line_count).map((line, i) => {
             const from = Number(offsets[i]), to = Number(offsets[i + 1]);
             return {
                 ...line,
@@ -47,5 +47,6 @@ export function trace(foliation, options) {
                 edges: pointEdges.subarray(from, to),
             };
         });
+        return Object.assign(list, { comparedCount: compared_count, deviation });
     });
 }

@@ -29,6 +29,8 @@ class Atlas:
     seam_edge_count: int  #: edges whose two triangles do not meet in the square
     collapsed_triangles: int  #: without a positive area there, where the foliation is nearly 0
     unevenness: float  #: standard deviation over the surface of the logarithm of the scale
+    speck_count: int  #: triangles without area or below a millionth of the square, which the check of overlaps leaves out
+    compared_edges: int  #: edges of charts that the check compared
     _foliation: Foliation
 
     def export(self, path: str | os.PathLike[str]) -> None:

@@ -35,11 +35,14 @@ class Cylinders(Rows[Cylinder]):
     leaves : Loops
         The leaf in the middle of each cylinder as a loop of triangles of the
         level, with the heights as weights: loops of the class of the foliation.
+    area_error : float
+        Relative difference of the sum of height * circumference and the energy.
     """
 
-    def __init__(self, rows: NDArray[Any], leaves: Loops) -> None:
+    def __init__(self, rows: NDArray[Any], leaves: Loops, area_error: float) -> None:
         super().__init__(rows)
         self.leaves = leaves
+        self.area_error = area_error
 
     def _entry(self, number: int, row: dict[str, Any]) -> Cylinder:
         row["loop"] = optional_index(row["loop"])
@@ -75,4 +78,4 @@ def cylinders(
     given, alive = loop_structure(foliation.loops if loops is None else loops, weights)
     made = call(lib.hmf_cylinders, foliation._pointer, given, progress=progress)
     del alive
-    return Cylinders(view(made, made.list, made.count), Loops._of(made.leaves, made))
+    return Cylinders(view(made, made.list, made.count), Loops._of(made.leaves, made), made.area_error)

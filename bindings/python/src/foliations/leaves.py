@@ -66,13 +66,27 @@ class Leaves(Rows[Leaf]):
         Of all leaves, in the unit of the positions.
     edges : (n,) uint32
         The edge that each point lies on.
+    compared_count : int
+        Pairs of points that were checked: whether both lie on one leaf.
+    deviation : float
+        Largest difference of the values at both points of a pair.
     """
 
-    def __init__(self, lines: NDArray[Any], offsets: NDArray[np.uint64], points: Floats, edges: Indices) -> None:
+    def __init__(
+        self,
+        lines: NDArray[Any],
+        offsets: NDArray[np.uint64],
+        points: Floats,
+        edges: Indices,
+        compared_count: int,
+        deviation: float,
+    ) -> None:
         super().__init__(lines)
         self.offsets = offsets
         self.points = points
         self.edges = edges
+        self.compared_count = compared_count
+        self.deviation = deviation
 
     def _entry(self, number: int, row: dict[str, Any]) -> Leaf:
         own = slice(int(self.offsets[number]), int(self.offsets[number + 1]))
@@ -152,4 +166,6 @@ def trace(
         view(made, made.offsets, made.line_count + 1),
         view(made, made.points, made.point_count, 3),
         view(made, made.point_edges, made.point_count),
+        made.compared_count,
+        made.deviation,
     )

@@ -45,6 +45,10 @@ class Parameterization:
     area: float  #: of the image: the energy, up to discretization
     linear_iterations: int
     seconds: float
+    energy_ratio: float  #: energy of du / energy of the foliation; not 1 where zeros move to vertices
+    area_error: float  #: relative difference of the area of the image and the energy of du
+    circumference_least: float  #: circumference of a cylinder by du / by the foliation, the smallest of all
+    circumference_most: float  #: and the largest
 
     def __repr__(self) -> str:
         return (

@@ -524,6 +524,10 @@ pub struct hmf_parameterization {
     pub area: f64,
     pub linear_iterations: u64,
     pub seconds: f64,
+    pub energy_ratio: f64,
+    pub area_error: f64,
+    pub circumference_least: f64,
+    pub circumference_most: f64,
 }
 impl Default for hmf_parameterization {
     fn default() -> Self {
@@ -597,6 +601,8 @@ pub struct hmf_lines {
     pub offsets: *const u64,
     pub points: *const f64,
     pub point_edges: *const u32,
+    pub compared_count: u64,
+    pub deviation: f64,
 }
 impl Default for hmf_lines {
     fn default() -> Self {
@@ -625,6 +631,7 @@ pub struct hmf_cylinder_set {
     pub count: u64,
     pub list: *const hmf_cylinder,
     pub leaves: *const hmf_loop_set,
+    pub area_error: f64,
 }
 impl Default for hmf_cylinder_set {
     fn default() -> Self {
@@ -691,6 +698,8 @@ pub struct hmf_chart_set {
     pub seam_edge_count: u64,
     pub collapsed_triangles: u64,
     pub unevenness: f64,
+    pub speck_count: u64,
+    pub compared_edges: u64,
 }
 impl Default for hmf_chart_set {
     fn default() -> Self {

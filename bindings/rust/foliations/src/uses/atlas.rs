@@ -57,6 +57,17 @@ impl Atlas {
     pub fn unevenness(&self) -> f64 {
         self.block.unevenness
     }
+
+    /// Triangles that the check of overlaps leaves out: those without area in the square, and
+    /// those less than a millionth of it across.
+    pub fn speck_count(&self) -> u64 {
+        self.block.speck_count
+    }
+
+    /// Edges of charts that the check compared.
+    pub fn compared_edges(&self) -> u64 {
+        self.block.compared_edges
+    }
 }
 
 impl Foliation {

@@ -35,6 +35,8 @@ pub struct Cylinders {
     pub list: Vec<Cylinder>,
     /// The leaf in the middle of each as a loop of triangles of the level; weights: the heights.
     pub leaves: Loops,
+    /// Relative difference of the sum of height * circumference and the energy.
+    pub area_error: f64,
 }
 
 impl Foliation {
@@ -59,6 +61,6 @@ impl Foliation {
             make(|out, control, error| unsafe { sys::hmf_cylinders(self.as_ptr(), set, control, out, error) })?;
         // SAFETY: the list has so many entries, and the leaves are part of the block.
         let (list, leaves) = unsafe { (slice(block.list, block.count), Loops::copy(&*block.leaves)) };
-        Ok(Cylinders { list: list.iter().map(Read::read).collect(), leaves })
+        Ok(Cylinders { list: list.iter().map(Read::read).collect(), leaves, area_error: block.area_error })
     }
 }

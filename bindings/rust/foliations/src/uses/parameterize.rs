@@ -159,5 +159,13 @@ record! {
         linear_iterations: u64,
         /// Time of the call.
         seconds: f64,
+        /// Energy of du / energy of the foliation; not 1 where zeros move to vertices.
+        energy_ratio: f64,
+        /// Relative difference of the area of the image and the energy of du.
+        area_error: f64,
+        /// Circumference of a cylinder by du / by the foliation, the smallest of all.
+        circumference_least: f64,
+        /// And the largest.
+        circumference_most: f64,
     }
 }

@@ -148,6 +148,16 @@ impl Leaves {
     pub fn lines(&self) -> &[Line] {
         &self.lines
     }
+
+    /// Pairs of points that were checked: whether both lie on one leaf.
+    pub fn compared_count(&self) -> u64 {
+        self.block.compared_count
+    }
+
+    /// Largest difference of the values at both points of a pair.
+    pub fn deviation(&self) -> f64 {
+        self.block.deviation
+    }
 }
 
 arrays! {
