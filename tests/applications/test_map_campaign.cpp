@@ -159,6 +159,9 @@ void run(Problem p, bool exact, Tally& tally) {
     if (exact) EXPECT_NEAR(ratio, 1, 1e-4);
     EXPECT_GT(ratio, 0.9);
     EXPECT_LT(ratio, 1.5);
+    EXPECT_NEAR(map->energy_ratio, ratio, 1e-4);
+    EXPECT_GT(map->circumference_least, 0.5);
+    EXPECT_LT(map->circumference_most, 2);
     tally.least = std::min(tally.least, ratio);
     tally.most = std::max(tally.most, ratio);
     tally.folded = std::max(tally.folded, judged.absolute_area / s.report.energy);
@@ -178,6 +181,8 @@ void run_family(const char* name, Problem (*make)(Random&), bool exact) {
     }
     tally.print(name);
     EXPECT_GT(tally.maps, 0u);
+    // A wrong place of zeros is refused as a mesh that is too coarse: few of these are.
+    EXPECT_LE(10 * tally.refused, tally.maps + tally.refused);
 }
 
 } // namespace
