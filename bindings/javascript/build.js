@@ -84,6 +84,8 @@ function readHeader() {
         const found = /^#define (HMF_[A-Z0-9_]+) (\d+|0x[0-9a-f]+)u?$/.exec(line.trim());
         if (found) constants.push([found[1], Number(found[2])]);
     }
+    for (const node of tree.inner.filter(({ kind, name }) => kind === 'EnumDecl' && name?.startsWith('hmf_')))
+        for (const value of node.inner.filter(({ kind }) => kind === 'EnumConstantDecl')) constants.push([value.name, Number(value.inner[0].value)]);
     constants.sort((a, b) => (a[0] < b[0] ? -1 : 1));
     return { functions, structures, constants: Object.fromEntries(constants) };
 }

@@ -137,12 +137,14 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
  * --------------------------------------------------------------------- */
 
 /* Which loops to make. */
-#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece; genus 0: round
+typedef enum hmf_loops_kind {
+    HMF_LOOPS_CUT = 1,           /* genus many, together they cut the surface into one planar piece; genus 0: round
                                     pairs of marked vertices */
-#define HMF_LOOPS_HANDLE 2       /* a cut system whose loops bound inside the surface: they go round the handles */
-#define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
-#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
+    HMF_LOOPS_HANDLE = 2,        /* a cut system whose loops bound inside the surface: they go round the handles */
+    HMF_LOOPS_TUNNEL = 3,        /* a cut system whose loops bound outside: they go round the holes */
+    HMF_LOOPS_PANTS = 4          /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
                                     surface into pairs of pants */
+} hmf_loops_kind;
 /* With boundary: CUT has genus many loops (genus 0 with marked vertices inside: round pairs of those, or of one and a
    boundary) and one along each boundary (an annulus: one); a disk with fewer than two marked vertices inside has arcs
    instead, each round two neighboring marked vertices of the boundary.  PANTS has, together with the mirror images,
@@ -361,20 +363,26 @@ HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf
  * Leaves, cylinders, quads
  * --------------------------------------------------------------------- */
 
-#define HMF_LINE_LEVEL 1         /* a closed leaf at a given height of its cylinder */
-#define HMF_LINE_CRITICAL 2      /* a leaf between two zeros */
-#define HMF_LINE_POINT 3         /* the leaf through a given point */
+typedef enum hmf_line_kind {
+    HMF_LINE_LEVEL = 1,          /* a closed leaf at a given height of its cylinder */
+    HMF_LINE_CRITICAL = 2,       /* a leaf between two zeros */
+    HMF_LINE_POINT = 3           /* the leaf through a given point */
+} hmf_line_kind;
 
-#define HMF_END_CLOSED 0         /* none: the last point joins the first */
-#define HMF_END_ZERO 1           /* at a zero */
-#define HMF_END_LIMIT 2          /* at the length limit */
-#define HMF_END_NOWHERE 3        /* the given point lies where the foliation is 0: a line without points */
-#define HMF_END_CRITICAL 4       /* of a conjugate line: on a critical leaf, where its cylinder ends */
-#define HMF_END_BOUNDARY 5       /* at the boundary of the surface */
+typedef enum hmf_line_end {
+    HMF_END_CLOSED = 0,          /* none: the last point joins the first */
+    HMF_END_ZERO = 1,            /* at a zero */
+    HMF_END_LIMIT = 2,           /* at the length limit */
+    HMF_END_NOWHERE = 3,         /* the given point lies where the foliation is 0: a line without points */
+    HMF_END_CRITICAL = 4,        /* of a conjugate line: on a critical leaf, where its cylinder ends */
+    HMF_END_BOUNDARY = 5         /* at the boundary of the surface */
+} hmf_line_end;
 
-#define HMF_LEAVES_DEFAULT 0
-#define HMF_LEAVES_FOLIATION 1   /* of the foliation itself (default): u is constant */
-#define HMF_LEAVES_CONJUGATE 2   /* of its conjugate: v is constant; see hmf_parameterize */
+typedef enum hmf_leaves_kind {
+    HMF_LEAVES_DEFAULT = 0,
+    HMF_LEAVES_FOLIATION = 1,    /* of the foliation itself (default): u is constant */
+    HMF_LEAVES_CONJUGATE = 2     /* of its conjugate: v is constant; see hmf_parameterize */
+} hmf_leaves_kind;
 
 typedef struct hmf_trace_options {
     uint32_t struct_size;

@@ -45,6 +45,9 @@
  *             says of itself (hmf_hierarchy_describe, hmf_foliation_values) is
  *             part of the object.
  *   types     uint32_t indices from 0, size_t or uint64_t counts, double reals.
+ *             Values of an enumeration are passed and stored as int32_t, so that
+ *             layouts do not depend on the compiler; HMF_METHOD_* stands for
+ *             those of hmf_method.
  *   memory    All through the allocator of the build options, which must
  *             then be thread-safe if the objects are shared, and must live as
  *             long as they and the results do.
@@ -111,78 +114,81 @@ extern "C" {
 /* Result of every fallible call.  Values never change; new ones are added. */
 typedef int32_t hmf_status;
 
-/* success */
-#define HMF_OK 0
+typedef enum hmf_status_code {
+    HMF_OK = 0,
 
-/* stopped early: the foliation is valid, closed and without poles, but not yet
-   harmonic to the tolerance (hmf_solve and hmf_relax still give it) */
-#define HMF_LIMIT_ITERATIONS 10
-#define HMF_LIMIT_TIME 11
-#define HMF_LIMIT_STALLED 12
-#define HMF_CANCELLED 13
-#define HMF_LIMIT_CLASS 14 /* no step that stays in the class of the loops reaches the minimum; error->index is
+    /* stopped early: the foliation is valid, closed and without poles, but not yet
+       harmonic to the tolerance (hmf_solve and hmf_relax still give it) */
+    HMF_LIMIT_ITERATIONS = 10,
+    HMF_LIMIT_TIME = 11,
+    HMF_LIMIT_STALLED = 12,
+    HMF_CANCELLED = 13,
+    HMF_LIMIT_CLASS = 14, /* no step that stays in the class of the loops reaches the minimum; error->index is
                               a loop that the others lose.  report->class_state tells of the values */
 
-/* the call itself */
-#define HMF_ERROR_NULL 100       /* a pointer that must not be NULL is */
-#define HMF_ERROR_OPTIONS 101    /* an option is out of range or from a newer header */
-#define HMF_ERROR_COUNT 102   /* an array has the wrong number of elements */
-#define HMF_ERROR_LEVEL 103      /* no such level */
-#define HMF_ERROR_UNSUPPORTED 104 /* not available in this version */
+    /* the call itself */
+    HMF_ERROR_NULL = 100,        /* a pointer that must not be NULL is */
+    HMF_ERROR_OPTIONS = 101,     /* an option is out of range or from a newer header */
+    HMF_ERROR_COUNT = 102,       /* an array has the wrong number of elements */
+    HMF_ERROR_LEVEL = 103,       /* no such level */
+    HMF_ERROR_UNSUPPORTED = 104, /* not available in this version */
 
-/* resources */
-#define HMF_ERROR_MEMORY 200     /* the allocator returned NULL */
-#define HMF_ERROR_MEMORY_LIMIT 201 /* the memory limit of the options was reached */
+    /* resources */
+    HMF_ERROR_MEMORY = 200,      /* the allocator returned NULL */
+    HMF_ERROR_MEMORY_LIMIT = 201, /* the memory limit of the options was reached */
 
-/* the mesh */
-#define HMF_ERROR_MESH_COUNTS 300 /* no vertices or triangles, or more than 2^31 / 3 */
-#define HMF_ERROR_MESH_INDEX 301 /* a triangle names a vertex that does not exist */
-#define HMF_ERROR_MESH_NOT_FINITE 302 /* a coordinate is infinite or not a number */
-#define HMF_ERROR_MESH_REPEATED_VERTEX 303 /* a triangle names one vertex twice */
-#define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area (see mollify in hmf_hierarchy_options) */
-#define HMF_ERROR_MESH_BOUNDARY 305 /* a surface with boundary, where only closed ones have a meaning */
-#define HMF_ERROR_MESH_NON_MANIFOLD_EDGE 306 /* an edge with three or more triangles */
-#define HMF_ERROR_MESH_ORIENTATION 307 /* neighboring triangles turn in opposite senses */
-#define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
-#define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
-#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component: see hmf_components */
-#define HMF_ERROR_MESH_GENUS 311 /* genus 0 with too few marked vertices: no measured foliation */
-#define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
-#define HMF_ERROR_MESH_NOT_DELAUNAY 313 /* the intrinsic Delaunay triangulation was not reached: triangles too thin, or
+    /* the mesh */
+    HMF_ERROR_MESH_COUNTS = 300, /* no vertices or triangles, or more than 2^31 / 3 */
+    HMF_ERROR_MESH_INDEX = 301, /* a triangle names a vertex that does not exist */
+    HMF_ERROR_MESH_NOT_FINITE = 302, /* a coordinate is infinite or not a number */
+    HMF_ERROR_MESH_REPEATED_VERTEX = 303, /* a triangle names one vertex twice */
+    HMF_ERROR_MESH_DEGENERATE = 304, /* a triangle without area (see mollify in hmf_hierarchy_options) */
+    HMF_ERROR_MESH_BOUNDARY = 305, /* a surface with boundary, where only closed ones have a meaning */
+    HMF_ERROR_MESH_NON_MANIFOLD_EDGE = 306, /* an edge with three or more triangles */
+    HMF_ERROR_MESH_ORIENTATION = 307, /* neighboring triangles turn in opposite senses */
+    HMF_ERROR_MESH_NON_MANIFOLD_VERTEX = 308, /* a vertex with several fans of triangles */
+    HMF_ERROR_MESH_UNUSED_VERTEX = 309, /* a vertex without a triangle */
+    HMF_ERROR_MESH_COMPONENTS = 310, /* more than one connected component: see hmf_components */
+    HMF_ERROR_MESH_GENUS = 311, /* genus 0 with too few marked vertices: no measured foliation */
+    HMF_ERROR_MESH_NOT_EMBEDDED = 312, /* the surface meets itself, so that inside and outside have no meaning */
+    HMF_ERROR_MESH_NOT_DELAUNAY = 313, /* the intrinsic Delaunay triangulation was not reached: triangles too thin, or
                                     more flips needed than 16 per edge */
 
-/* loops and weights */
-#define HMF_ERROR_LOOP_COUNT 400 /* no loops */
-#define HMF_ERROR_LOOP_INDEX 401 /* an element that does not exist on the level */
-#define HMF_ERROR_LOOP_NOT_CLOSED 402 /* consecutive elements are not neighbors */
-#define HMF_ERROR_LOOP_NOT_SIMPLE 403 /* a loop meets itself */
-#define HMF_ERROR_LOOP_CROSSING 404 /* two loops cross */
-#define HMF_ERROR_LOOP_TRIVIAL 405 /* a loop bounds a disk */
-#define HMF_ERROR_LOOP_PARALLEL 406 /* two loops are freely homotopic */
-#define HMF_ERROR_LOOP_WEIGHT 407 /* a weight is not in [1e-100, 1e100), or the weights span more than 2^20 */
+    /* loops and weights */
+    HMF_ERROR_LOOP_COUNT = 400, /* no loops */
+    HMF_ERROR_LOOP_INDEX = 401, /* an element that does not exist on the level */
+    HMF_ERROR_LOOP_NOT_CLOSED = 402, /* consecutive elements are not neighbors */
+    HMF_ERROR_LOOP_NOT_SIMPLE = 403, /* a loop meets itself */
+    HMF_ERROR_LOOP_CROSSING = 404, /* two loops cross */
+    HMF_ERROR_LOOP_TRIVIAL = 405, /* a loop bounds a disk */
+    HMF_ERROR_LOOP_PARALLEL = 406, /* two loops are freely homotopic */
+    HMF_ERROR_LOOP_WEIGHT = 407, /* a weight is not in [1e-100, 1e100), or the weights span more than 2^20 */
 
-/* values */
-#define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, not a number or above 1e300, or the largest is
+    /* values */
+    HMF_ERROR_VALUE_NOT_FINITE = 500, /* a value is negative, not a number or above 1e300, or the largest is
                                           below 1e-270 */
-#define HMF_ERROR_VALUE_NOT_CLOSED 501 /* a triangle inequality is violated, or a value is not a multiple of the unit */
-#define HMF_ERROR_VALUE_POLE 502 /* the values have a pole, or are all 0 */
-#define HMF_ERROR_VALUE_NOT_HARMONIC 503 /* the values are too far from the minimum */
-#define HMF_ERROR_VALUE_CLASS 504 /* the values do not belong to the given loops, or to no loops that can be followed */
+    HMF_ERROR_VALUE_NOT_CLOSED = 501, /* a triangle inequality is violated, or a value is not a multiple of the unit */
+    HMF_ERROR_VALUE_POLE = 502, /* the values have a pole, or are all 0 */
+    HMF_ERROR_VALUE_NOT_HARMONIC = 503, /* the values are too far from the minimum */
+    HMF_ERROR_VALUE_CLASS = 504, /* the values do not belong to the given loops, or to no loops that can be followed */
 
-/* a defect of the library itself */
-#define HMF_ERROR_INTERNAL 900
+    /* a defect of the library itself */
+    HMF_ERROR_INTERNAL = 900
+} hmf_status_code;
 
 /* No element, where an index is expected. */
 #define HMF_NONE 0xffffffffu
 
 /* What an error is about. */
-#define HMF_ELEMENT_NONE 0
-#define HMF_ELEMENT_VERTEX 1
-#define HMF_ELEMENT_EDGE 2
-#define HMF_ELEMENT_TRIANGLE 3
-#define HMF_ELEMENT_LOOP 4
-#define HMF_ELEMENT_LEVEL 5
-#define HMF_ELEMENT_OPTION 6
+typedef enum hmf_element {
+    HMF_ELEMENT_NONE = 0,
+    HMF_ELEMENT_VERTEX = 1,
+    HMF_ELEMENT_EDGE = 2,
+    HMF_ELEMENT_TRIANGLE = 3,
+    HMF_ELEMENT_LOOP = 4,
+    HMF_ELEMENT_LEVEL = 5,
+    HMF_ELEMENT_OPTION = 6
+} hmf_element;
 
 /* Filled by a failing call; untouched by a successful one. */
 typedef struct hmf_error {
@@ -208,15 +214,19 @@ typedef void *(*hmf_allocate_fn)(void *user, size_t size);
 /* Takes back a block; size is the size that was asked for. */
 typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
 
-/* Called on the calling thread; fraction rises from 0 to 1.  Returns one of
-   the values below.  The callback must not call hmf with the same objects. */
-#define HMF_PROGRESS_CONTINUE 0
-/* Any other value: return HMF_CANCELLED at once, within 50 ms on a mesh of a
-   million edges. */
-#define HMF_PROGRESS_CANCEL 1
-/* hmf_solve, hmf_relax: stop improving, carry the foliation to the asked
-   level, give it and return HMF_CANCELLED.  Elsewhere as CANCEL. */
-#define HMF_PROGRESS_FINISH 2
+/* Answer of a progress function. */
+typedef enum hmf_progress {
+    HMF_PROGRESS_CONTINUE = 0,
+    /* Any other value: return HMF_CANCELLED at once, within 50 ms on a mesh of a
+       million edges. */
+    HMF_PROGRESS_CANCEL = 1,
+    /* hmf_solve, hmf_relax: stop improving, carry the foliation to the asked
+       level, give it and return HMF_CANCELLED.  Elsewhere as CANCEL. */
+    HMF_PROGRESS_FINISH = 2
+} hmf_progress;
+
+/* Called on the calling thread; fraction rises from 0 to 1.  Returns an
+   hmf_progress.  The callback must not call hmf with the same objects. */
 typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
 
 /* A part of the work of a call; it neither allocates nor calls back. */
@@ -267,10 +277,12 @@ HMF_API void hmf_free(const void *result);
  * Build
  * --------------------------------------------------------------------- */
 
-#define HMF_COLLAPSE_DEFAULT 0
-#define HMF_COLLAPSE_MIDPOINT 1  /* shortest edge, to its midpoint (default) */
-#define HMF_COLLAPSE_ENDPOINT 2  /* shortest edge, to one end */
-#define HMF_COLLAPSE_QSLIM 3     /* least quadric error, to its best point */
+typedef enum hmf_collapse {
+    HMF_COLLAPSE_DEFAULT = 0,
+    HMF_COLLAPSE_MIDPOINT = 1,   /* shortest edge, to its midpoint (default) */
+    HMF_COLLAPSE_ENDPOINT = 2,   /* shortest edge, to one end */
+    HMF_COLLAPSE_QSLIM = 3       /* least quadric error, to its best point */
+} hmf_collapse;
 
 typedef struct hmf_hierarchy_options {
     uint32_t struct_size;
@@ -378,8 +390,10 @@ HMF_API hmf_status hmf_level(const hmf_hierarchy *hierarchy, size_t level, const
  * --------------------------------------------------------------------- */
 
 /* What the elements of a loop are. */
-#define HMF_PATH_TRIANGLES 1     /* consecutive triangles share an edge; the last and the first as well */
-#define HMF_PATH_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
+typedef enum hmf_path {
+    HMF_PATH_TRIANGLES = 1,      /* consecutive triangles share an edge; the last and the first as well */
+    HMF_PATH_VERTICES = 2        /* consecutive vertices share an edge; the last and the first as well */
+} hmf_path;
 
 /* A set of closed curves on a level, as flat arrays.  With boundary they lie on
    level 0; loops that can be pushed into the boundary make leaves run along it,
@@ -467,14 +481,16 @@ HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
  * Solve
  * --------------------------------------------------------------------- */
 
-#define HMF_METHOD_DEFAULT 0
-#define HMF_METHOD_NEWTON 1       /* Newton steps on the twisted Laplacian, cascadic */
-#define HMF_METHOD_WHITEHEAD 2    /* Whitehead moves, cascadic ([W] section 4) */
-#define HMF_METHOD_SINGLE_LEVEL 3 /* Whitehead moves on the input mesh ([W] 3.3) */
-#define HMF_METHOD_PAPER 4        /* whitehead with "case 4" of [W] 4.2.2 as printed: it may make poles, which moves
+typedef enum hmf_method {
+    HMF_METHOD_DEFAULT = 0,
+    HMF_METHOD_NEWTON = 1,        /* Newton steps on the twisted Laplacian, cascadic */
+    HMF_METHOD_WHITEHEAD = 2,     /* Whitehead moves, cascadic ([W] section 4) */
+    HMF_METHOD_SINGLE_LEVEL = 3,  /* Whitehead moves on the input mesh ([W] 3.3) */
+    HMF_METHOD_PAPER = 4          /* whitehead with "case 4" of [W] 4.2.2 as printed: it may make poles, which moves
                                     then fix or not; for comparison.  A result with poles, or of another class, has
                                     HMF_LIMIT_CLASS, and its values are good for hmf_singularities and hmf_energy
                                     only.  Without a bad flip it is the result of whitehead, bit for bit */
+} hmf_method;
 
 typedef struct hmf_solve_options {
     uint32_t struct_size;
@@ -521,9 +537,11 @@ typedef struct hmf_history_entry {
 /* What is known of the class of a result.  Proven, exactly and from the integers of
    the result alone: one cylinder of closed leaves for each loop, as high as the weight
    of the loop, and freely homotopic to it, on the surface without its marked vertices. */
-#define HMF_CLASS_UNKNOWN 0 /* not looked at: cancelled, or values at the start that no loops have */
-#define HMF_CLASS_PROVEN 1
-#define HMF_CLASS_LOST 2    /* never with HMF_OK */
+typedef enum hmf_class_state {
+    HMF_CLASS_UNKNOWN = 0,  /* not looked at: cancelled, or values at the start that no loops have */
+    HMF_CLASS_PROVEN = 1,
+    HMF_CLASS_LOST = 2      /* never with HMF_OK */
+} hmf_class_state;
 
 /* What hmf_solve and hmf_relax tell of a foliation. */
 typedef struct hmf_report {
@@ -632,9 +650,11 @@ typedef struct hmf_residual_set {
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, hmf_residual_set **out,
                                  hmf_error *error);
 
-#define HMF_SINGULAR_VERTEX 1
-#define HMF_SINGULAR_TRIANGLE 2
-#define HMF_SINGULAR_CLUSTER 3   /* vertices joined by zero edges; element is its lowest vertex */
+typedef enum hmf_singular_kind {
+    HMF_SINGULAR_VERTEX = 1,
+    HMF_SINGULAR_TRIANGLE = 2,
+    HMF_SINGULAR_CLUSTER = 3     /* vertices joined by zero edges; element is its lowest vertex */
+} hmf_singular_kind;
 
 typedef struct hmf_singularity {
     int32_t kind;                /* HMF_SINGULAR_* */

@@ -221,7 +221,8 @@ TEST(Disks, ArcsOfTheLibraryAreTheLinearProblem) {
                     fixed[walk[k % n]] = side < 2 ? 0 : 1;
             possible[way] = linear_energy(level, fixed);
         }
-        for (const int32_t kind : {0, HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) { // 0: those of hmf_solve_cut_system
+        for (const int32_t kind :
+             std::initializer_list<int32_t>{0, HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) { // 0: those of hmf_solve_cut_system
             Owned<hmf_loop_set> set;
             if (kind)
                 set = make<hmf_loop_set>(

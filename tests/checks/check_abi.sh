@@ -45,8 +45,12 @@ describe() { # folder with hmf/, name
     } > "$to.c"
     cc -std=c99 -g -O0 -fPIC -shared -Wl,-soname,"$soname" -I"$1" "$to.c" -o "$to.so" 2> "$to.log" || return 1
     abidw --no-corpus-path --no-comp-dir-path --no-show-locs "$to.so" --out-file "$to.abi" 2>> "$to.log" || return 1
-    echo '#include <hmf/applications.h>' | cc -std=c99 -I"$1" -dM -E - | sed -n 's/^#define \(HMF_[A-Z0-9_]* .*\)/\1/p' |
-        grep -vE '^HMF_(VERSION_[A-Z]*|API|[A-Z]*_H) ' | sort > "$to.constants"
+    # shellcheck disable=SC2086
+    {
+        echo '#include <hmf/applications.h>' | cc -std=c99 -I"$1" -dM -E - | sed -n 's/^#define \(HMF_[A-Z0-9_]* .*\)/\1/p' |
+            grep -vE '^HMF_(VERSION_[A-Z]*|API|[A-Z]*_H) '
+        sed -n 's/^ *\(HMF_[A-Z0-9_]*\) = \(-*[0-9][0-9]*\).*/\1 \2/p' $headers
+    } | sort > "$to.constants"
     [ -s "$to.constants" ]
 }
 
@@ -137,10 +141,10 @@ changed fields-exchanged breaks hmf.h 's/^    uint64_t vertices;/    uint64_t ED
 changed field-type breaks hmf.h 's/^    uint64_t stop_level;/    int64_t stop_level;/'
 changed field-removed breaks applications.h '/^    double unevenness_before;/d'
 changed element-grows breaks hmf.h 's/^} hmf_level_info;/    double another;\n&/'
-changed constant-value breaks hmf.h 's/^#define HMF_ERROR_MESH_GENUS 311/#define HMF_ERROR_MESH_GENUS 313/'
-changed constant-removed breaks hmf.h '/^#define HMF_COLLAPSE_ENDPOINT/d'
+changed constant-value breaks hmf.h 's/HMF_ERROR_MESH_GENUS = 311/HMF_ERROR_MESH_GENUS = 315/'
+changed constant-removed breaks hmf.h '/^ *HMF_COLLAPSE_ENDPOINT/d'
 changed function-added allowed hmf.h 's/^HMF_API size_t hmf_foliation_level/HMF_API size_t hmf_another(const hmf_hierarchy *hierarchy);\n&/'
 changed options-grow allowed hmf.h 's/^} hmf_solve_options;/    double another;\n&/'
 changed result-grows allowed applications.h 's/^} hmf_quad_mesh;/    double another;\n&/'
-changed constant-added allowed hmf.h 's/^#define HMF_ERROR_INTERNAL 900/&\n#define HMF_ERROR_ANOTHER 901/'
+changed constant-added allowed hmf.h 's/^ *HMF_ERROR_INTERNAL = 900/    HMF_ERROR_ANOTHER = 901,\n&/'
 exit $failed

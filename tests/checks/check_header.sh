@@ -85,7 +85,7 @@ complete() {
     cat "$root/include/hmf/hmf.h" "$root/include/hmf/applications.h" > "$work/all.h"
     cat "$root/include/hmf/hmf.hpp" "$root/include/hmf/applications.hpp" | sed 's|/\*.*\*/||' > "$work/code.hpp" # without comments
     for symbol in $(sed -n 's/^HMF_API .*[ *]\(hmf_[a-z_]*\)(.*/\1/p' "$work/all.h" | grep -v -e '^hmf_version$' -e '^hmf_status_string$') \
-        $(sed -n 's/^#define \(HMF_\(COLLAPSE\|METHOD\|LEAVES\|PATH\|LOOPS\|PROGRESS\)_[A-Z_]*\).*/\1/p' "$work/all.h"); do
+        $(sed -n 's/^ *\(HMF_\(COLLAPSE\|METHOD\|LEAVES\|PATH\|LOOPS\|PROGRESS\)_[A-Z_]*\) = .*/\1/p' "$work/all.h"); do
         grep -qw "$symbol" "$work/code.hpp" || { echo "the C++ headers lack $symbol"; missing=1; }
     done
     return $missing

@@ -19,7 +19,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 HEADERS = next(path for path in (PACKAGE / "core/include/hmf", PACKAGE.parents[1] / "include/hmf") if path.exists())
 TEXT = "".join((HEADERS / name).read_text(encoding="utf-8") for name in ("hmf.h", "applications.h", "pool.h"))
 TEXT = re.sub(r"/\*.*?\*/", "", TEXT, flags=re.S)
-CONSTANTS = {name: int(value) for name, value in re.findall(r"#define (HMF_\w+) (-?\d+)\s", TEXT)}
+CONSTANTS = {name: int(value) for name, value in re.findall(r"\b(HMF_\w+)(?: =)? (-?\d+)\b", TEXT)}
 FUNCTIONS = re.findall(r"HMF_API[^;(]*?\b(hmf_\w+)\s*\(", TEXT)
 
 

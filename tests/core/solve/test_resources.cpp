@@ -426,7 +426,7 @@ TEST(ProgressOf, TheBuild) {
     ASSERT_GE(all.calls, 3u);
     // The last call reports the end; there is nothing left to cancel.
     for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / sample(50, 12)) {
-        for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, 12345}) {
+        for (const int32_t answer : std::initializer_list<int32_t>{HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, 12345}) {
             Progress progress;
             progress.stop = stop;
             progress.answer = answer;
@@ -460,7 +460,7 @@ TEST_P(OfEachFunction, EveryReportMayCancel) {
         // These may give a foliation all the same: see SolveAndRelax.
         const std::string name = function.name;
         if (name.compare(0, 9, "hmf_solve") == 0 || name == "hmf_relax") return;
-        for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, -5})
+        for (const int32_t answer : std::initializer_list<int32_t>{HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, -5})
             for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / sample(50, 12)) {
                 Progress progress;
                 progress.stop = stop;

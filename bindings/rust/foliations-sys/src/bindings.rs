@@ -3,6 +3,8 @@
 pub const HMF_VERSION_MAJOR: i32 = 0;
 pub const HMF_VERSION_MINOR: i32 = 1;
 pub const HMF_VERSION_PATCH: i32 = 0;
+pub const HMF_NONE: u32 = 4294967295;
+pub type hmf_status = i32;
 pub const HMF_OK: i32 = 0;
 pub const HMF_LIMIT_ITERATIONS: i32 = 10;
 pub const HMF_LIMIT_TIME: i32 = 11;
@@ -44,7 +46,6 @@ pub const HMF_ERROR_VALUE_POLE: i32 = 502;
 pub const HMF_ERROR_VALUE_NOT_HARMONIC: i32 = 503;
 pub const HMF_ERROR_VALUE_CLASS: i32 = 504;
 pub const HMF_ERROR_INTERNAL: i32 = 900;
-pub const HMF_NONE: u32 = 4294967295;
 pub const HMF_ELEMENT_NONE: i32 = 0;
 pub const HMF_ELEMENT_VERTEX: i32 = 1;
 pub const HMF_ELEMENT_EDGE: i32 = 2;
@@ -52,43 +53,6 @@ pub const HMF_ELEMENT_TRIANGLE: i32 = 3;
 pub const HMF_ELEMENT_LOOP: i32 = 4;
 pub const HMF_ELEMENT_LEVEL: i32 = 5;
 pub const HMF_ELEMENT_OPTION: i32 = 6;
-pub const HMF_PROGRESS_CONTINUE: i32 = 0;
-pub const HMF_PROGRESS_CANCEL: i32 = 1;
-pub const HMF_PROGRESS_FINISH: i32 = 2;
-pub const HMF_COLLAPSE_DEFAULT: i32 = 0;
-pub const HMF_COLLAPSE_MIDPOINT: i32 = 1;
-pub const HMF_COLLAPSE_ENDPOINT: i32 = 2;
-pub const HMF_COLLAPSE_QSLIM: i32 = 3;
-pub const HMF_PATH_TRIANGLES: i32 = 1;
-pub const HMF_PATH_VERTICES: i32 = 2;
-pub const HMF_METHOD_DEFAULT: i32 = 0;
-pub const HMF_METHOD_NEWTON: i32 = 1;
-pub const HMF_METHOD_WHITEHEAD: i32 = 2;
-pub const HMF_METHOD_SINGLE_LEVEL: i32 = 3;
-pub const HMF_METHOD_PAPER: i32 = 4;
-pub const HMF_CLASS_UNKNOWN: i32 = 0;
-pub const HMF_CLASS_PROVEN: i32 = 1;
-pub const HMF_CLASS_LOST: i32 = 2;
-pub const HMF_SINGULAR_VERTEX: i32 = 1;
-pub const HMF_SINGULAR_TRIANGLE: i32 = 2;
-pub const HMF_SINGULAR_CLUSTER: i32 = 3;
-pub const HMF_LOOPS_CUT: i32 = 1;
-pub const HMF_LOOPS_HANDLE: i32 = 2;
-pub const HMF_LOOPS_TUNNEL: i32 = 3;
-pub const HMF_LOOPS_PANTS: i32 = 4;
-pub const HMF_LINE_LEVEL: i32 = 1;
-pub const HMF_LINE_CRITICAL: i32 = 2;
-pub const HMF_LINE_POINT: i32 = 3;
-pub const HMF_END_CLOSED: i32 = 0;
-pub const HMF_END_ZERO: i32 = 1;
-pub const HMF_END_LIMIT: i32 = 2;
-pub const HMF_END_NOWHERE: i32 = 3;
-pub const HMF_END_CRITICAL: i32 = 4;
-pub const HMF_END_BOUNDARY: i32 = 5;
-pub const HMF_LEAVES_DEFAULT: i32 = 0;
-pub const HMF_LEAVES_FOLIATION: i32 = 1;
-pub const HMF_LEAVES_CONJUGATE: i32 = 2;
-pub type hmf_status = i32;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_error {
@@ -119,6 +83,9 @@ pub type hmf_release_fn = ::core::option::Option<
         size: usize,
     ),
 >;
+pub const HMF_PROGRESS_CONTINUE: i32 = 0;
+pub const HMF_PROGRESS_CANCEL: i32 = 1;
+pub const HMF_PROGRESS_FINISH: i32 = 2;
 pub type hmf_progress_fn = ::core::option::Option<
     unsafe extern "C" fn(user: *mut ::core::ffi::c_void, fraction: f64) -> i32,
 >;
@@ -152,6 +119,10 @@ impl Default for hmf_control {
         }
     }
 }
+pub const HMF_COLLAPSE_DEFAULT: i32 = 0;
+pub const HMF_COLLAPSE_MIDPOINT: i32 = 1;
+pub const HMF_COLLAPSE_ENDPOINT: i32 = 2;
+pub const HMF_COLLAPSE_QSLIM: i32 = 3;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_hierarchy_options {
@@ -234,6 +205,8 @@ impl Default for hmf_level_mesh {
         }
     }
 }
+pub const HMF_PATH_TRIANGLES: i32 = 1;
+pub const HMF_PATH_VERTICES: i32 = 2;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_loop_set {
@@ -256,6 +229,11 @@ impl Default for hmf_loop_set {
         }
     }
 }
+pub const HMF_METHOD_DEFAULT: i32 = 0;
+pub const HMF_METHOD_NEWTON: i32 = 1;
+pub const HMF_METHOD_WHITEHEAD: i32 = 2;
+pub const HMF_METHOD_SINGLE_LEVEL: i32 = 3;
+pub const HMF_METHOD_PAPER: i32 = 4;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_solve_options {
@@ -298,6 +276,9 @@ pub struct hmf_history_entry {
     pub level: u32,
     pub kind: u32,
 }
+pub const HMF_CLASS_UNKNOWN: i32 = 0;
+pub const HMF_CLASS_PROVEN: i32 = 1;
+pub const HMF_CLASS_LOST: i32 = 2;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_report {
@@ -347,6 +328,9 @@ impl Default for hmf_residual_set {
         }
     }
 }
+pub const HMF_SINGULAR_VERTEX: i32 = 1;
+pub const HMF_SINGULAR_TRIANGLE: i32 = 2;
+pub const HMF_SINGULAR_CLUSTER: i32 = 3;
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone)]
 pub struct hmf_singularity {
@@ -444,6 +428,10 @@ impl Default for hmf_mark_set {
         }
     }
 }
+pub const HMF_LOOPS_CUT: i32 = 1;
+pub const HMF_LOOPS_HANDLE: i32 = 2;
+pub const HMF_LOOPS_TUNNEL: i32 = 3;
+pub const HMF_LOOPS_PANTS: i32 = 4;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_design_options {
@@ -554,6 +542,18 @@ impl Default for hmf_scale {
         }
     }
 }
+pub const HMF_LINE_LEVEL: i32 = 1;
+pub const HMF_LINE_CRITICAL: i32 = 2;
+pub const HMF_LINE_POINT: i32 = 3;
+pub const HMF_END_CLOSED: i32 = 0;
+pub const HMF_END_ZERO: i32 = 1;
+pub const HMF_END_LIMIT: i32 = 2;
+pub const HMF_END_NOWHERE: i32 = 3;
+pub const HMF_END_CRITICAL: i32 = 4;
+pub const HMF_END_BOUNDARY: i32 = 5;
+pub const HMF_LEAVES_DEFAULT: i32 = 0;
+pub const HMF_LEAVES_FOLIATION: i32 = 1;
+pub const HMF_LEAVES_CONJUGATE: i32 = 2;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_trace_options {

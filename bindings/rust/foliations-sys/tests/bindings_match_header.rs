@@ -27,6 +27,8 @@ fn generate() -> String {
         // Not part of the interface.
         .blocklist_item("HMF_HMF_H|HMF_APPLICATIONS_H|HMF_API")
         .parse_callbacks(Box::new(Types))
+        .default_enum_style(bindgen::EnumVariation::Consts)
+        .prepend_enum_name(false)
         .default_macro_constant_type(bindgen::MacroTypeVariation::Signed)
         .use_core()
         // Offsets depend on the target; `sizes_agree` checks the sizes on every one.
@@ -40,6 +42,16 @@ fn generate() -> String {
         .generate()
         .expect("bindgen understands the headers")
         .to_string()
+        .lines()
+        .filter(|line| !line.starts_with("pub type hmf_") || !line.ends_with("::core::ffi::c_uint;"))
+        .map(|line| match line.split_once(": hmf_") {
+            // Structures and functions have values of enumerations as i32.
+            Some((constant, value)) if constant.starts_with("pub const HMF_") => {
+                format!("{constant}: i32 = {}\n", value.split_once(" = ").expect("a value").1)
+            }
+            _ => format!("{line}\n"),
+        })
+        .collect()
 }
 
 #[test]
