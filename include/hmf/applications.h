@@ -152,22 +152,12 @@ typedef enum hmf_loops_kind {
 
 /*
  * Loops made by the library on a level, as triangle loops: simple, disjoint,
- * essential, pairwise not freely homotopic, and short.  Candidates are found on
- * the coarsest level of a hierarchy with the default options that has 420 vertices
- * for each handle and 1000 in all, or 10 000 from ten handles on; of these the
- * classes with the shortest closed geodesics are chosen one after another,
- * measured on finer levels, of about 100 000 vertices at most, where they are close.
- * PANTS are shortened then, as long as one of them, or two that bound a piece
- * together, can be replaced by shorter ones.  A hierarchy with other options gets
- * the loops from there, for the time and the memory of another hmf_hierarchy_create.  So the
- * classes do not depend on ratio, collapse and coarsest.  Other triangles of the
- * same shape, or the same ones in another order, may have other classes where fine
- * detail is close to the size of the triangles of that level, and what is smaller
- * it cannot tell apart; or where other loops are as long: CUT and PANTS within 1 %
- * in total, on all meshes that were compared.
- * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
- * along z, from one end of the surface to the other.  Loop c is in the same class on
- * every level.  With boundary: level 0 only.
+ * essential, pairwise not freely homotopic, and short.  Loop c is in the same class on
+ * every level, and for every ratio, collapse and coarsest; a hierarchy with other
+ * options than the default ones costs the time and memory of another
+ * hmf_hierarchy_create.  Other triangles of the same shape may have other classes
+ * where those are as long, within 1 % in total for CUT and PANTS, or where detail is
+ * as small as triangles of a coarse level.  With boundary: level 0 only.
  *
  *   kind           HMF_LOOPS_*.  HANDLE and TUNNEL are decided by linking
  *                  numbers in space on level 0, exactly, with positions

@@ -162,54 +162,29 @@ public:
     TriangleSort(const uint32_t* sides, size_t triangle_count, size_t vertex_count) :
         sides_(sides), triangles_(triangle_count), vertices_(vertex_count) {
         while ((vertex_count - 1) >> shift_ >= MOST_BLOCKS) ++shift_;
-        part_size_ = std::max(Parallel::SMALLEST, (triangle_count + MOST_PARTS - 1) / MOST_PARTS);
     }
 
     hmf_status run(Array<uint32_t>& words, Call& call) {
+        uint32_t block_begin[MOST_BLOCKS + 1];
+        const auto block_of = [this](size_t t) { return lowest(t) >> shift_; };
+        const auto put = [this](size_t t, uint32_t at) { list_[at] = uint64_t{lowest(t)} << 32 | t; };
         if (!list_.allocate(call.memory, triangles_) || !begin_.allocate(call.memory, vertices_)
-            || !count_.allocate(call.memory, MOST_PARTS * MOST_BLOCKS))
+            || !place_by_few(triangles_, MOST_BLOCKS, block_of, put, block_begin, call.parallel, call.memory))
             return call.out_of_memory();
-        const Parallel& parallel = call.parallel;
-        parallel.for_blocks(triangles_, part_size_, [&](size_t first, size_t end) { count(first, end); });
-        uint32_t total = 0, block_begin[MOST_BLOCKS + 1];
-        for (size_t block = 0; block < MOST_BLOCKS; ++block) {
-            block_begin[block] = total;
-            for (size_t part = 0; part * part_size_ < triangles_; ++part) {
-                uint32_t& at = count_[part * MOST_BLOCKS + block];
-                const uint32_t here = at;
-                at = total;
-                total += here;
-            }
-        }
-        block_begin[MOST_BLOCKS] = total;
-        if (!call.tick(0.03)) return HMF_CANCELLED;
-        parallel.for_blocks(triangles_, part_size_, [&](size_t first, size_t end) { list(first, end); });
         if (!call.tick(0.035)) return HMF_CANCELLED;
-        parallel.for_each(static_cast<uint32_t>(((vertices_ - 1) >> shift_) + 1), [&](uint32_t block, uint32_t) {
+        call.parallel.for_each(static_cast<uint32_t>(((vertices_ - 1) >> shift_) + 1), [&](uint32_t block, uint32_t) {
             place(block, block_begin[block], block_begin[block + 1], words.data());
         });
         return HMF_OK;
     }
 
 private:
-    static constexpr size_t MOST_PARTS = 16, MOST_BLOCKS = 256;
+    static constexpr uint32_t MOST_BLOCKS = 256;
 
     uint32_t lowest(size_t triangle) const {
         const uint32_t* v = sides_ + 3 * triangle;
         const uint32_t low = std::min(v[1], v[0]);
         return std::min(v[2], low);
-    }
-    void count(size_t first, size_t end) {
-        uint32_t* const count = &count_[first / part_size_ * MOST_BLOCKS];
-        std::memset(count, 0, MOST_BLOCKS * sizeof(uint32_t));
-        for (size_t t = first; t < end; ++t) ++count[lowest(t) >> shift_];
-    }
-    void list(size_t first, size_t end) {
-        uint32_t* const at = &count_[first / part_size_ * MOST_BLOCKS];
-        for (size_t t = first; t < end; ++t) {
-            const uint32_t low = lowest(t);
-            list_[at[low >> shift_]++] = uint64_t{low} << 32 | t;
-        }
     }
     void place(uint32_t block, uint32_t first, uint32_t end, uint32_t* words) {
         constexpr uint32_t ahead = 16; // the caller's order may have nothing to do with this one
@@ -234,10 +209,9 @@ private:
 
     const uint32_t* const sides_;
     const size_t triangles_, vertices_;
-    size_t part_size_ = 0;
     uint32_t shift_ = 8;
-    Array<uint64_t> list_;          // lowest vertex and triangle
-    Array<uint32_t> begin_, count_; // of each vertex; of each part and block
+    Array<uint64_t> list_;  // lowest vertex and triangle
+    Array<uint32_t> begin_; // of each vertex
 };
 
 } // namespace
