@@ -214,16 +214,16 @@ class Loops(Sequence[Indices]):
             return tuple(level.positions[loop] for loop in self)
         uses = np.bincount(level.triangle_edges.reshape(-1), minlength=level.edge_count)
         result = []
-        for loop, arc in zip(self, self.arcs.tolist()):
+        for loop, arc, sides in zip(self, self.arcs.tolist(), self.arc_sides.tolist()):
             edges = level.triangle_edges[loop]
             shared = (edges[:, :, None] == np.roll(edges, -1, axis=0)[:, None, :]).any(axis=2)
             shared = shared[:-1] if arc else shared
             if not shared.any(axis=1).all():
                 raise ValueError("consecutive triangles of a loop share no edge: it is not of this hierarchy.")
             crossed = edges[np.arange(len(shared)), shared.argmax(axis=1)].tolist()
-            if arc:  # sides of its ends, counted from 1; 0: the first on the boundary
-                ends = (edges[0], arc // 2 % 4), (edges[-1], arc // 8 % 4)
-                first, last = (own[side - 1] if side else own[np.argmin(uses[own])] for own, side in ends)
+            if arc:
+                ends = zip((edges[0], edges[-1]), sides)
+                first, last = (own[side] if side >= 0 else own[np.argmin(uses[own])] for own, side in ends)
                 crossed = [first, *crossed, last]
             result.append(level.positions[level.edges[crossed]].mean(axis=1))
         return tuple(result)
