@@ -1,8 +1,8 @@
 /*
- * applications.hpp - applications.h as C++17 functions: what one does with a foliation
+ * applications.hpp - applications.h as C++17 functions: what follows from a foliation
  *
  *     const hmf::Parameterization map = hmf::parameterize(foliation);
- *     map.corner_uv();                       // an array, as long as map lives
+ *     map.corner_uv();                       // an array, valid as long as map
  *     map->dilatation_mean;                  // a number
  *
  * The rules are those of hmf.hpp; applications.h is the manual.
@@ -21,7 +21,7 @@ inline namespace cpp {
 /* hmf_parameterize_options; zero means the default. */
 struct ParameterizeOptions {
     double tolerance = 0;
-    std::vector<uint32_t> seam_edges; /* where seams cost nothing */
+    std::vector<uint32_t> seam_edges; /* edges where seams cost nothing */
 };
 
 class Parameterization : public Result<hmf_parameterization> {
@@ -96,7 +96,7 @@ class Cylinders : public Result<hmf_cylinder_set> {
 public:
     using Result::Result;
     Span<Cylinder> list() const noexcept { return span(get()->list, get()->count); }
-    /* The leaf in the middle of each as a triangle loop, weights: the heights. */
+    /* The leaf in the middle of each cylinder as a triangle loop, with the heights as weights. */
     Loops leaves() const { return detail::own(*get()->leaves); }
 };
 
@@ -106,7 +106,7 @@ inline Cylinders cylinders(const Foliation& foliation, const ProgressFunction& p
     return Cylinders(detail::make<hmf_cylinder_set>(progress, hmf_cylinders, foliation.get(), none));
 }
 
-/* hmf_cylinders; loops: those that the foliation belongs to. */
+/* hmf_cylinders; loops: the loops of the foliation. */
 inline Cylinders cylinders(const Foliation& foliation, const Loops& loops, const ProgressFunction& progress = nullptr) {
     const hmf_loop_set set = detail::raw(loops);
     return Cylinders(detail::make<hmf_cylinder_set>(progress, hmf_cylinders, foliation.get(), &set));
@@ -126,7 +126,7 @@ inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options,
     return QuadMesh(detail::make<hmf_quad_mesh>(progress, hmf_quads, foliation.get(), &options));
 }
 
-/* edge_length 0: about as many quads as triangles / 2 */
+/* edge_length 0: half as many quads as triangles */
 inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const ProgressFunction& progress = nullptr) {
     hmf_quad_options options = detail::defaults(hmf_quad_options_init);
     options.edge_length = edge_length;
@@ -153,7 +153,7 @@ inline Atlas atlas(const Foliation& foliation, double margin = 0, const Progress
 
 /* One component of ComponentSolutions. */
 struct ComponentSolution {
-    hmf_status status;                /* that of the solution; without one, why there is none */
+    hmf_status status;                /* status of the solution, or why there is none */
     std::string message;              /* likewise; empty with HMF_OK */
     std::optional<Solution> solution; /* of this component alone */
 };
@@ -164,7 +164,7 @@ struct ComponentSolutions {
     std::vector<ComponentSolution> components;
 };
 
-/* What hmf_components gives. */
+/* Result of hmf_components. */
 class Components : public Result<hmf_component_set> {
 public:
     /* The options: mollify, marked vertices (of the whole mesh), memory. */
@@ -176,7 +176,7 @@ public:
     std::size_t size() const noexcept { return static_cast<std::size_t>(get()->count); }
     const hmf_component& operator[](std::size_t k) const noexcept { return get()->list[k]; }
 
-    /* Component k with numbers of its own, for a Hierarchy. */
+    /* Component k in its own numbering, for a Hierarchy. */
     Span<double> positions(std::size_t k) const noexcept {
         return span(get()->part_positions + 3 * (*this)[k].first_vertex, 3 * (*this)[k].vertex_count);
     }
@@ -197,8 +197,9 @@ public:
         return span(get()->whole_triangles + (*this)[k].first_triangle, (*this)[k].triangle_count);
     }
 
-    /* Loops of the whole mesh (level 0): those of each component, in its numbers.  Throws
-       HMF_ERROR_LOOP_INDEX where an element does not exist, HMF_ERROR_LOOP_NOT_CLOSED where a loop is on several. */
+    /* Divides loops of the whole mesh (level 0) among the components, in their numbering.  Throws
+   HMF_ERROR_LOOP_INDEX if an element does not exist, HMF_ERROR_LOOP_NOT_CLOSED if a loop lies on
+   several components. */
     std::vector<Loops> split(const Loops& whole) const {
         const bool triangles = whole.kind == LoopElements::triangles;
         const uint32_t* const component = triangles ? get()->triangle_component : get()->vertex_component;
@@ -232,9 +233,10 @@ public:
         return parts;
     }
 
-    /* Solves each component, with the loops of the library or with those of the whole mesh.  options: as for a
-       Hierarchy, but for marked vertices, which are those given to the constructor; start and stop_level are not
-       used.  What is wrong with one component, or its loops, is said in its row; other failures are thrown. */
+    /* Solves each component, with loops of the library or of the whole mesh.  options: as for a
+   Hierarchy, except for marked vertices, which are those of the constructor; start and
+   stop_level are ignored.  Errors of one component or its loops are in its row; other failures
+   are thrown. */
     ComponentSolutions solve(const BuildOptions& build = {}, const SolveOptions& options = {},
                              const ProgressFunction& progress = nullptr) const {
         return solve_each(nullptr, build, options, progress);

@@ -1,29 +1,28 @@
 /*
  * hmf - harmonic measured foliations on triangle meshes
  *
- * A measured foliation gives every edge of a triangle mesh one number
- * F >= 0, the distance that its end points have in a metric tree.  The
- * harmonic one in its class minimizes the Dirichlet energy
+ * A measured foliation gives every edge of a triangle mesh a number F >= 0: the
+ * distance between the images of its end points in a metric tree.  The harmonic
+ * foliation of a class minimizes the Dirichlet energy
  *
  *     D(F) = sum over edges of  weight(edge) * F(edge)^2.
  *
- * The class is given by disjoint closed curves with positive weights, and by arcs
- * from boundary to boundary where there is one.  From F
- * follow conformal parameterizations, quad meshes and stripe patterns.
+ * The class is given by loops: disjoint closed curves with positive weights.  On
+ * a surface with boundary there may also be arcs from boundary to boundary.
+ * Conformal parameterizations, quad meshes and stripe patterns follow from F.
  *
  * In five calls:
  *
  *     hmf_hierarchy_create  positions + triangles  -> hierarchy
- *     hmf_loops             hierarchy              -> loops, flat arrays; in hmf/applications.h, or your own
+ *     hmf_loops             hierarchy              -> loops; in hmf/applications.h, or your own
  *     hmf_solve             hierarchy, loops       -> foliation
  *     hmf_foliation_values                         -> one number per edge
  *     hmf_foliation_destroy, hmf_free, hmf_hierarchy_destroy
  *
- * This header is the core, the library hmf_core.  hmf/applications.h has the search for
- * loops, and what one does with a foliation: parameterize, trace leaves,
- * cylinders, quads, atlas.
+ * This header is the core, the library hmf_core.  hmf/applications.h chooses
+ * loops, and computes parameterizations, leaves, cylinders, quads and charts.
  *
- * Rules that hold for every function here
+ * Rules for every function
  *
  *   errors    Fallible functions return hmf_status, 0 is success.  The last
  *             argument is an optional hmf_error that the caller owns; it gets
@@ -33,17 +32,15 @@
  *             function names the classes that it can return, 100 for
  *             HMF_ERROR_NULL to HMF_ERROR_UNSUPPORTED and so on; any of them
  *             can return HMF_ERROR_INTERNAL, a defect of the library.
- *   pointers  Options, control, error and what is said to be optional may be
+ *   pointers  Options, control, error and arguments documented as optional may be
  *             NULL; any other NULL is refused with HMF_ERROR_NULL.  Arrays and
- *             structures given are read during the call only.
+ *             structures that you pass are read during the call only.
  *   objects   hmf_hierarchy and hmf_foliation are immutable: any number of
  *             threads may use them.  A foliation keeps what it needs of its
- *             hierarchy: they can be destroyed in any order.  There is no
- *             global state.
- *   results   The library makes the result: one structure with counts and flat
- *             arrays, in one block, to be freed with hmf_free.  What an object
- *             says of itself (hmf_hierarchy_describe, hmf_foliation_values) is
- *             part of the object.
+ *             hierarchy, so destroy them in any order.  There is no global state.
+ *   results   A result is one structure with counts and flat arrays, in one block:
+ *             free it with hmf_free.  Data of an object (hmf_hierarchy_describe,
+ *             hmf_foliation_values, hmf_foliation_report) are part of the object.
  *   types     uint32_t indices from 0, size_t or uint64_t counts, double reals.
  *             Values of an enumeration are passed and stored as int32_t, so that
  *             layouts do not depend on the compiler; HMF_METHOD_* stands for
@@ -51,33 +48,31 @@
  *   memory    All through the allocator of the build options, which must
  *             then be thread-safe if the objects are shared, and must live as
  *             long as they and the results do.
- *   options   Structures begin with struct_size = sizeof(structure), so that
- *             they can grow.  Each has a function that sets it and the defaults:
+ *   options   Structures begin with struct_size = sizeof(structure), so that they
+ *             can grow.  A function for each sets struct_size and the defaults:
  *                 hmf_solve_options options;
  *                 hmf_solve_options_init(&options, sizeof options);
- *             Zero in any other field means its default, too:
- *             hmf_solve_options options = {sizeof options}.  NULL options are
- *             all defaults.  Structures of results begin with struct_size as
- *             well: fields beyond it are not there.
- *   control   Every call that can be long takes an optional hmf_control:
- *             progress, cancellation, and threads of the host.  All of these
- *             calls return HMF_CANCELLED if the progress function asks for it.
- *   levels    Level 0 is the caller's mesh, higher levels are coarser.
- *             Edges of level 0 are numbered by their first appearance in
- *             the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of
- *             triangle 1, and so on); vertices and triangles keep the
- *             caller's numbers.
- *   boundary  A surface with boundary is solved as half of its closed double:
- *             the surface and its mirror image, glued along the boundary.  On
- *             level 0 the caller sees the surface only, and energies and areas
- *             are those of the surface; the coarser levels are levels of the
- *             double, and so are counts of poles, zeros and indices.  Leaves run
- *             along the boundary or meet it at right angles.  Values of level 0
- *             that hmf_solve gives are exactly symmetric, but where a part that no
- *             leaf crosses joins a boundary and a handle or marked vertices.  What
- *             the caller gets is the half in front, and can be read back.  On the
- *             intrinsic triangulation, where energy and residual are measured, the
- *             minimum is symmetric up to the residual.
+ *             Zero in any field also means its default, so
+ *             hmf_solve_options options = {sizeof options} is the same.  NULL
+ *             means all defaults.  In results, struct_size says which fields exist.
+ *   control   Calls that can take long accept an optional hmf_control with progress,
+ *             cancellation and threads of the host.  All of them return
+ *             HMF_CANCELLED if the progress function asks for it.
+ *   levels    Level 0 is your mesh; higher levels are coarser.  Edges of level 0
+ *             are numbered by their first appearance in the triangle array
+ *             (sides 0-1, 1-2, 2-0 of triangle 0, then of triangle 1, and so on).
+ *             Vertices and triangles keep your numbers.
+ *   boundary  A surface with boundary is solved on its closed double: the surface
+ *             and its mirror image, glued along the boundary.  Leaves run along
+ *             the boundary or meet it at right angles.  On level 0 you see the
+ *             surface only, and energies and areas are those of the surface.
+ *             Coarser levels are levels of the double, and so are counts of
+ *             poles, zeros and indices.  Values of level 0 from hmf_solve are
+ *             exactly symmetric, unless a part that no leaf crosses joins a
+ *             boundary with a handle or marked vertices.  You receive the values
+ *             of the original surface, and hmf_foliation_from_values accepts them
+ *             again.  On the intrinsic triangulation, where energy and residual
+ *             are measured, the minimum is symmetric up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -193,15 +188,15 @@ typedef enum hmf_element {
 /* Filled by a failing call; untouched by a successful one. */
 typedef struct hmf_error {
     hmf_status status;
-    int32_t element;       /* HMF_ELEMENT_* */
+    int32_t element;             /* HMF_ELEMENT_*: what the error is about */
     uint64_t index;        /* of the element */
-    char message[240];     /* what is wrong and what to do; ends with 0 */
+    char message[240];           /* what is wrong and what to do; zero-terminated */
 } hmf_error;
 
-/* Run-time version as major * 10000 + minor * 100 + patch. */
+/* Returns the version of the library as major * 10000 + minor * 100 + patch. */
 HMF_API uint32_t hmf_version(void);
 
-/* A short English text for any value; never NULL, never to be freed. */
+/* Returns a short English text for any value; never NULL.  Do not free it. */
 HMF_API const char *hmf_status_string(hmf_status status);
 
 /* ------------------------------------------------------------------------
@@ -211,7 +206,7 @@ HMF_API const char *hmf_status_string(hmf_status status);
 /* Returns a block aligned for any type, or NULL.  user: allocator_user. */
 typedef void *(*hmf_allocate_fn)(void *user, size_t size);
 
-/* Takes back a block; size is the size that was asked for. */
+/* Frees a block; size is the requested size. */
 typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
 
 /* Answer of a progress function. */
@@ -229,17 +224,17 @@ typedef enum hmf_progress {
    hmf_progress.  The callback must not call hmf with the same objects. */
 typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
 
-/* A part of the work of a call; it neither allocates nor calls back. */
+/* A part of the work of a call.  It neither allocates nor calls back. */
 typedef void (*hmf_task_fn)(void *context, uint32_t index);
 
-/* Calls task(context, index) exactly once for each index from 0 to count - 1, on
-   any threads, in any order, and returns when all have ended.  The tasks of one
-   call may run at the same time or one after the other; what a task has written
-   must be visible after the return (joining threads or a mutex do that).  It
-   cannot fail: a host without a free thread runs the tasks itself.
+/* Calls task(context, index) exactly once for each index from 0 to count - 1, on any
+   threads and in any order, and returns when all calls have ended.  The tasks may run
+   at the same time or one after the other.  What a task has written must be visible
+   after the return, as after joining threads or with a mutex.  The function cannot
+   fail: without a free thread it runs the tasks itself.
 
-   Called on the calling thread only, never by a task; count is at least 2 and
-   at most workers.  hmf_pool_run of hmf/pool.h is one; with OpenMP:
+   hmf calls it on the calling thread only, never from a task; count is at least 2 and
+   at most workers.  hmf_pool_run of hmf/pool.h is such a function; with OpenMP:
 
        void run(void *user, hmf_task_fn task, void *context, uint32_t count)
        {
@@ -249,28 +244,27 @@ typedef void (*hmf_task_fn)(void *context, uint32_t index);
        } */
 typedef void (*hmf_parallel_for_fn)(void *user, hmf_task_fn task, void *context, uint32_t count);
 
-/* What a host gives to a call while it runs; NULL = nothing.
+/* Progress, cancellation and threads for one call; NULL = none.
 
-   The library starts no thread.  With parallel_for it shares the work of a call
-   among those of the host.  Results have the same bits with and without it, and
-   for every number of workers: the work is cut by the problem alone, and sums
-   are added in the order of the parts.  Each worker takes some memory of the
-   call.  The progress function and the allocator are called on the calling
-   thread only. */
+   hmf never creates threads.  With parallel_for it shares the work of a call among
+   threads of the host.  Results are bit-identical with and without it, and for any
+   number of workers: work is divided by the problem alone, and sums are added in the
+   order of the parts.  Each worker needs some memory during the call.  The progress
+   function and the allocator are called on the calling thread only. */
 typedef struct hmf_control {
     uint32_t struct_size;
-    uint32_t workers;            /* tasks that parallel_for can run at once; 0 = 16; at most 256 are used */
+    uint32_t workers;            /* number of tasks that parallel_for can run at once; 0 = 16; at most 256 are used */
     hmf_progress_fn progress;    /* NULL = none */
     void *progress_user;
-    hmf_parallel_for_fn parallel_for; /* NULL = all on the calling thread */
+    hmf_parallel_for_fn parallel_for; /* NULL = everything runs on the calling thread */
     void *parallel_user;
 } hmf_control;
 
-/* Sets struct_size, and every other field to its default.  struct_size: sizeof(hmf_control).  NULL is allowed. */
+/* Sets struct_size (pass sizeof(hmf_control)) and all other fields to their defaults.  NULL is allowed. */
 HMF_API void hmf_control_init(hmf_control *control, uint32_t struct_size);
 
-/* Frees a result that the library made (hmf_level, hmf_residuals, hmf_singularities
-   and the calls of applications.h); NULL is allowed. */
+/* Frees a result of hmf_level, hmf_residuals, hmf_singularities or a call of
+   applications.h; NULL is allowed. */
 HMF_API void hmf_free(const void *result);
 
 /* ------------------------------------------------------------------------
@@ -287,26 +281,28 @@ typedef enum hmf_collapse {
 typedef struct hmf_hierarchy_options {
     uint32_t struct_size;
     int32_t collapse;            /* HMF_COLLAPSE_* */
-    double ratio;                /* edges of a level / edges of the finer one; in [0.05, 0.95], default 0.5 */
-    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default a sixteenth of all, 1000 at
-                                    most; at least 40 * genus + 10 * marked_count */
-    uint64_t memory_limit;       /* bytes in use by hmf_hierarchy_create, 0 = none; later calls: by the hierarchy and
-                                    the call together, without foliations and results that are kept */
-    hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
+    double ratio;                /* number of edges of a level / of the next finer level; in [0.05, 0.95], default
+                                    0.5 */
+    uint64_t coarsest;           /* target number of vertices of the coarsest level; at least 40 * genus + 10 *
+                                    marked_count; default a sixteenth of all, at most 1000 */
+    uint64_t memory_limit;       /* in bytes, 0 = none. For hmf_hierarchy_create, of all memory in use; for later calls,
+                                    of the hierarchy and the call together, without stored foliations and results */
+    hmf_allocate_fn allocate;    /* NULL = malloc; set both functions or none */
     hmf_release_fn release;
     void *allocator_user;
     uint64_t position_stride;    /* bytes from one vertex to the next, 0 = packed (24); at least 24, a multiple of 8 */
-    double mollify;              /* in [0, 0.1], 0 = off: accept triangles without area and edges without length; the
-                                    edges of level 0 get longer by the least amount, the same for all, with which every
-                                    triangle inequality holds by a margin of mollify * mean length (try 1e-5).  Only the
-                                    weights of level 0 change; meshes that keep the margin anyway stay as they are */
-    const uint32_t *marked_vertices; /* vertices that may carry a pole; a sphere needs four or more, a disk four on its
-                                    boundary, where one inside counts as two.  They never move and are no poles of the
-                                    report; indices add up to 4 - 4 * genus - marked_count */
+    double mollify;              /* in [0, 0.1], 0 = off; 1e-5 is a good value. Accepts triangles of zero area and edges
+                                    of length 0: adds the same length to all edges of level 0, the smallest with
+                                    which every triangle inequality holds with a margin of mollify * mean length.
+                                    Only the weights of level 0 change; meshes that have the margin already do not
+                                    change */
+    const uint32_t *marked_vertices; /* vertices that may be poles. A sphere needs at least four; a disk needs four on
+                                    its boundary, where one inside counts as two. They never move, and the report
+                                    does not count them as poles. Indices add up to 4 - 4 * genus - marked_count */
     uint64_t marked_count;
 } hmf_hierarchy_options;
 
-/* The defaults, see hmf_control_init. */
+/* Sets the defaults, see hmf_control_init. */
 HMF_API void hmf_hierarchy_options_init(hmf_hierarchy_options *options, uint32_t struct_size);
 
 /* An immutable hierarchy of triangle meshes. */
@@ -316,30 +312,32 @@ typedef struct hmf_hierarchy hmf_hierarchy;
 typedef struct hmf_foliation hmf_foliation;
 
 /*
- * Validates a connected, oriented manifold mesh, with or without boundary,
- * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).  A sphere
- * or a disk needs marked vertices; see hmf_hierarchy_options.
+ * Validates a mesh and builds its hierarchy ([W] 4.1).
  *
- *   positions   vertex_count x 3, any unit; see options->position_stride
- *   triangles   triangle_count x 3 vertex indices, counter-clockwise or all
+ *   positions   vertex_count x 3, in any unit; see options->position_stride
+ *   triangles   triangle_count x 3 vertex indices, all counter-clockwise or all
  *               clockwise
- *   out         the hierarchy, NULL on failure
+ *   out         the hierarchy; NULL on failure
  *
- * Inputs are copied.  Time is linear, about 0.3 s per million edges, and twice
- * as much with boundary.
+ * The mesh must be a connected, oriented manifold, with or without boundary.  A
+ * sphere or a disk needs marked vertices, see hmf_hierarchy_options.
+ *
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300.
+ *
+ * Inputs are copied.  Time is linear: about 0.3 s per million edges, twice as
+ * much with boundary.
  */
 HMF_API hmf_status hmf_hierarchy_create(const double *positions, size_t vertex_count, const uint32_t *triangles,
                                         size_t triangle_count, const hmf_hierarchy_options *options,
                                         const hmf_control *control, hmf_hierarchy **out, hmf_error *error);
 
-/* Gives a hierarchy back; NULL is allowed.  Its memory is freed with the last
-   of its foliations. */
+/* Destroys a hierarchy; NULL is allowed.  Its memory is freed with the last of
+   its foliations. */
 HMF_API void hmf_hierarchy_destroy(hmf_hierarchy *hierarchy);
 
-/* Upper bound of the bytes that hmf_hierarchy_create will use at its peak with the
-   given options (NULL = defaults); 0 if the counts are unusable.  For a mesh with
-   boundary: with twice the counts, as its double is built. */
+/* Returns an upper bound of the memory in bytes that hmf_hierarchy_create uses at
+   its peak with the given options (NULL = defaults); 0 if the counts are unusable.
+   For a mesh with boundary pass twice the counts, because its double is built. */
 HMF_API uint64_t hmf_hierarchy_memory_estimate(size_t vertex_count, size_t triangle_count,
                                                const hmf_hierarchy_options *options);
 
@@ -351,19 +349,19 @@ typedef struct hmf_level_info {
     uint64_t vertex_count;
     uint64_t edge_count;
     uint64_t triangle_count;
-    uint64_t raised_count;        /* edges whose weight was below the floor and was raised to it; 0 on level 0, the
+    uint64_t raised_count;       /* edges whose weight was below the lower bound and was set to it; 0 on level 0, the
                                     intrinsic Delaunay triangulation */
 } hmf_level_info;
 
 typedef struct hmf_hierarchy_info {
     uint64_t level_count;        /* at least 1 */
     uint64_t genus;              /* of the surface, without its boundary */
-    uint64_t boundary_count;     /* closed curves that the boundary consists of */
+    uint64_t boundary_count;     /* number of boundary curves */
     uint64_t memory_bytes;       /* held by the hierarchy */
     const hmf_level_info *levels; /* level_count, finest first */
 } hmf_hierarchy_info;
 
-/* What a hierarchy consists of.  Valid until the hierarchy is destroyed.  NULL for NULL. */
+/* Returns counts of a hierarchy, valid until it is destroyed; NULL for NULL. */
 HMF_API const hmf_hierarchy_info *hmf_hierarchy_describe(const hmf_hierarchy *hierarchy);
 
 /* The mesh of one level. */
@@ -375,12 +373,12 @@ typedef struct hmf_level_mesh {
     const uint32_t *edge_vertices; /* edge_count x 2; on coarse levels two vertices may have several edges */
     const uint32_t *triangle_vertices; /* triangle_count x 3 corners */
     const uint32_t *triangle_edges; /* triangle_count x 3; side s of a triangle joins its corners s and s+1 */
-    const double *weights;       /* edge_count, half the sum of the two opposite cotangents (on the boundary there is
-                                    one), without unit.  Level 0: of the caller's triangulation, may be negative there
-                                    (the solver uses the intrinsic Delaunay triangulation instead) */
+    const double *weights;       /* edge_count, half the sum of the two opposite cotangents (on the boundary of the
+                                    one), without unit. On level 0 those of your triangulation, which may be
+                                    negative; the solver uses the intrinsic Delaunay triangulation */
 } hmf_level_mesh;
 
-/* The mesh of a level, copied.  Free with hmf_free.
+/* Copies the mesh of a level.  Free it with hmf_free.
    Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200. */
 HMF_API hmf_status hmf_level(const hmf_hierarchy *hierarchy, size_t level, const hmf_control *control,
                              hmf_level_mesh **out, hmf_error *error);
@@ -395,41 +393,42 @@ typedef enum hmf_path {
     HMF_PATH_VERTICES = 2        /* consecutive vertices share an edge; the last and the first as well */
 } hmf_path;
 
-/* A set of closed curves on a level, as flat arrays.  With boundary they lie on
-   level 0; loops that can be pushed into the boundary make leaves run along it,
-   arcs make them meet it at right angles.  An arc leads along edges from a vertex
-   of the boundary to another one, or through triangles from one with a side on the
-   boundary to another one, whose side on the boundary it crosses. */
+/* A set of loops on one level, as flat arrays.
+
+   On a surface with boundary, loops lie on level 0.  Leaves run along a boundary
+   if a loop can be pushed into it, and meet it at right angles if an arc ends
+   there.  An arc of vertices leads along edges from one boundary vertex to
+   another.  An arc of triangles leads through triangles, and crosses a boundary
+   side of its first and of its last triangle. */
 typedef struct hmf_loop_set {
     uint32_t struct_size;
     int32_t element_kind;        /* HMF_PATH_TRIANGLES or HMF_PATH_VERTICES */
-    uint64_t level;              /* of the elements; loops of fine levels are restricted exactly */
+    uint64_t level;              /* level of the elements; loops of fine levels are restricted exactly */
     uint64_t count;
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     const uint32_t *elements;    /* offsets[count] */
-    const double *weights;       /* count, from 1e-100 to below 1e100, within a factor of 2^20; NULL = all 1 */
+    const double *weights;       /* count, each in [1e-100, 1e100), within a factor of 2^20; NULL = all 1 */
     const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie
                                     at the boundary; NULL = all are closed */
-    const uint32_t *arc_sides;   /* count x 2, for arcs of triangles: the side of the first triangle, 0 to 2, where the
-                                    arc begins, and that of the last one where it ends; HMF_NONE: at the first side on
-                                    the boundary, as everywhere if this is NULL */
+    const uint32_t *arc_sides;   /* count x 2, for arcs of triangles: the side (0 to 2) of the first triangle where the
+                                    arc begins, and of the last one where it ends; HMF_NONE = the first side on the
+                                    boundary; NULL = HMF_NONE for all */
 } hmf_loop_set;
 
 /*
- * Closed initial foliation of the loops on their level ([W] 3.3): the value of
- * an edge is the sum of the weights of the loops that cross it.
+ * Makes the initial foliation of the loops ([W] 3.3): the value of an edge is the
+ * sum of the weights of the loops that cross it.
  *
  *   loops      on any level
  *   out        the foliation on loops->level, without a report
  *
- * Checks that every loop is closed, simple and essential, that they are
- * disjoint and pairwise not freely homotopic (class 400; error->index is the
- * loop).  Loops may touch themselves and each other, in elements and along
- * stretches, as long as they can be pushed apart there; they may go back and
- * forth.  They are pulled tight first: no edge is crossed twice by what can be
- * pulled off it, so that there are no poles.
- * Returns HMF_OK, or an error of classes 100 (HMF_ERROR_UNSUPPORTED: as
- * hmf_solve), 200, 400.
+ * Every loop must be closed, simple and essential, and the loops must be disjoint
+ * and pairwise not freely homotopic.  Loops may touch themselves and each other, at
+ * elements and along stretches, if they can be pushed apart there.  They may go back
+ * and forth: they are pulled tight first, so that the result has no poles.
+ *
+ * Returns HMF_OK, or an error of classes 100 (HMF_ERROR_UNSUPPORTED as in
+ * hmf_solve), 200, 400.  For class 400 error->index is the loop.
  */
 HMF_API hmf_status hmf_foliation_from_loops(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                                             const hmf_control *control, hmf_foliation **out, hmf_error *error);
@@ -439,42 +438,46 @@ HMF_API hmf_status hmf_foliation_from_loops(const hmf_hierarchy *hierarchy, cons
  * --------------------------------------------------------------------- */
 
 /*
- * A foliation from values, one for each edge of a level: results of the
- * library, also written with 17 digits and read again, or multiplied by a
- * power of two.  Validates them once: closed, not negative, at most 1e300 and
- * the largest at least 1e-270 (class 500); all 0 are HMF_ERROR_VALUE_POLE.
- * Other numbers cannot be rounded edge by edge, for that breaks triangle
- * inequalities that hold with equality; start from loops instead.  Values with
- * poles are accepted for hmf_singularities and hmf_energy; all other calls
- * refuse them with HMF_ERROR_VALUE_POLE.  With boundary the values of the mirror
- * image are the same.
+ * Makes a foliation from values, one for each edge of a level.
  *
  *   values     count = edge_count of the level, in the order of its edges
- *   out        the foliation on the level, without a report; the values are copied
+ *   out        the foliation on the level, without a report
  *
- * Returns HMF_OK, or an error of classes 100, 200, 500.
+ * Values must be results of the library.  They may have been written with 17
+ * digits and read again, or multiplied by a power of two.  They are copied and
+ * validated: closed, not negative, at most 1e300, the largest at least 1e-270.
+ * With boundary the mirror image gets the same values.
+ *
+ * Returns HMF_OK, or an error of classes 100, 200, 500.  Values that are all 0 give
+ * HMF_ERROR_VALUE_POLE.
+ *
+ * Other numbers cannot be made valid by rounding edge by edge, because that breaks
+ * triangle inequalities that hold with equality; start from loops instead.  Values
+ * with poles are accepted, but only hmf_singularities and hmf_energy take such a
+ * foliation; other calls return HMF_ERROR_VALUE_POLE.
  */
 HMF_API hmf_status hmf_foliation_from_values(const hmf_hierarchy *hierarchy, size_t level, const double *values,
                                              size_t count, const hmf_control *control, hmf_foliation **out,
                                              hmf_error *error);
 
-/* Frees a foliation; NULL is allowed. */
+/* Destroys a foliation; NULL is allowed. */
 HMF_API void hmf_foliation_destroy(hmf_foliation *foliation);
 
-/* One value for each edge of its level, in the unit of the weights; exact
-   multiples of hmf_foliation_unit, every triangle inequality holds exactly.
-   Valid until the foliation is destroyed.  count may be NULL.  NULL for NULL. */
+/* Returns one value for each edge of the level, in the unit of the weights, valid
+   until the foliation is destroyed; NULL for NULL.  count, if not NULL, receives
+   the number of values.  All values are exact multiples of hmf_foliation_unit, and
+   every triangle inequality holds exactly. */
 HMF_API const double *hmf_foliation_values(const hmf_foliation *foliation, size_t *count);
 
-/* The level that it lies on; 0 for NULL. */
+/* Returns the level of the foliation; 0 for NULL. */
 HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
 
-/* The power of two that all values are multiples of; 0 for NULL. */
+/* Returns the power of two of which all values are multiples; 0 for NULL. */
 HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 
-/* Bytes held by the foliation; 0 for NULL.  Not with them the hierarchy, which it
-   keeps alive.  Grows once, when hmf_parameterize, hmf_quads or hmf_trace makes
-   what it then keeps for the next such call. */
+/* Returns the bytes held by the foliation, without its hierarchy; 0 for NULL.  The
+   number grows once, when the first of hmf_parameterize, hmf_quads and hmf_trace
+   stores data for later calls. */
 HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
 
 /* ------------------------------------------------------------------------
@@ -494,33 +497,33 @@ typedef enum hmf_method {
 
 typedef struct hmf_solve_options {
     uint32_t struct_size;
-    int32_t method;              /* HMF_METHOD_*; default: the most exact of this version */
-    double tolerance;            /* residual_max to reach on stop_level, and up to which the report says converged.
-                                    newton: default 1e-8.  The other methods: sweeps go on until it is reached,
-                                    whatever the energy does, or end with HMF_LIMIT_*; default: energy_tolerance ends
-                                    them, and 1e-8 counts as converged */
-    double energy_tolerance;     /* not newton: without a tolerance, and on coarser levels, sweeps end when one lowers
-                                    the energy by less than this part of it; default 1e-6, says nothing of the
-                                    residual */
+    int32_t method;              /* HMF_METHOD_* */
+    double tolerance;            /* residual_max to reach on stop_level; the report calls results up to it converged.
+                                    NEWTON: default 1e-8. Other methods: sweeps continue until it is reached or a
+                                    limit ends them; by default energy_tolerance ends them, and 1e-8 counts as
+                                    converged */
+    double energy_tolerance;     /* not for NEWTON: without a tolerance, and on coarser levels, sweeps end when one
+                                    lowers the energy by less than this part of it; default 1e-6. It does not bound
+                                    the residual */
     double time_limit;           /* seconds, 0 = none */
     uint64_t iteration_limit;    /* sweeps per level, default 100000 */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
-    const hmf_foliation *start;  /* hmf_solve: a foliation to start from instead of loops, which are then NULL; of
-                                    this hierarchy, or of another one of the same triangles (then on level 0);
-                                    NULL = none */
-    uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
-                                    many as it takes.  Unlike time_limit the same result on every machine */
+    const hmf_foliation *start;  /* hmf_solve: a foliation to start from; loops are then NULL. It belongs to this
+                                    hierarchy, or lies on level 0 of another hierarchy of the same triangles. NULL =
+                                    none */
+    uint64_t step_limit;         /* NEWTON: steps on stop_level, each with one linear solve or a few; 0 = none. Unlike
+                                    time_limit, it gives the same result on every machine */
 } hmf_solve_options;
 
-/* The defaults, see hmf_control_init.  Those that depend on the method stay 0. */
+/* Sets the defaults, see hmf_control_init.  Fields whose default depends on the method stay 0. */
 HMF_API void hmf_solve_options_init(hmf_solve_options *options, uint32_t struct_size);
 
 typedef struct hmf_level_report {
     uint64_t vertices;
     uint64_t edges;
-    uint64_t raised_count;       /* edges with a raised weight */
+    uint64_t raised_count;       /* edges with a raised weight, see hmf_level_info */
     uint64_t iterations;         /* sweeps of Whitehead moves */
-    uint64_t linear_solves;      /* of the whole level; one that goes on with some unknowns held is one */
+    uint64_t linear_solves;      /* of the whole level; a solve that continues with some unknowns fixed counts once */
     double optimize_seconds;
     double interpolate_seconds;  /* from the next coarser level to this one */
 } hmf_level_report;
@@ -543,84 +546,91 @@ typedef enum hmf_class_state {
     HMF_CLASS_LOST = 2      /* never with HMF_OK */
 } hmf_class_state;
 
-/* What hmf_solve and hmf_relax tell of a foliation. */
+/* Report of hmf_solve and hmf_relax. */
 typedef struct hmf_report {
     uint32_t struct_size;
     int32_t method;
-    int32_t converged;           /* 1: residual_max is at most the tolerance, whatever the method and the
-                                    status; else 0 */
+    int32_t converged;           /* 1 if residual_max is at most the tolerance, for any method and status; otherwise
+                                    0 */
     int32_t reserved;            /* 0 */
-    double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic
-                                    triangulation, before the values are carried to the caller's edges */
-    double residual_max;         /* relative coclosedness residual, see hmf_residuals; negative: not evaluated, as the
-                                    callback said HMF_PROGRESS_CANCEL before */
+    double energy;               /* of the result, on the finest level solved; on level 0 measured on the intrinsic
+                                    triangulation, before the values are carried to your edges */
+    double residual_max;         /* largest residual, see hmf_residuals; negative if not evaluated because of
+                                    HMF_PROGRESS_CANCEL */
     double residual_mean;
-    uint64_t poles;              /* of the result, each as often as its index says; see hmf_singularities */
-    uint64_t zeros;              /* likewise: a zero of index -2 counts twice */
-    int64_t index_sum;           /* 4 - 4 * genus - marked vertices; with boundary that of the double, 8 - 8 * genus
-                                    - 4 * boundaries - marked vertices, those inside counted twice */
+    uint64_t poles;              /* of the result, each counted with its index; see hmf_singularities */
+    uint64_t zeros;              /* of the result, each counted with its order: a zero of index -2 counts twice */
+    int64_t index_sum;           /* 4 - 4 * genus - marked vertices; with boundary that of the double, 8 - 8 * genus - 4
+                                    * boundaries - marked vertices, where marked vertices inside count twice */
     uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
-    uint64_t bad_flips_left;     /* and did: 0 but for HMF_METHOD_PAPER, where later moves may have removed it */
+    uint64_t bad_flips_left;     /* those that did; 0 except for HMF_METHOD_PAPER, where later moves may have removed
+                                    the pole */
     double solve_seconds;
     uint64_t peak_memory_bytes;  /* of this call, without the hierarchy */
     const hmf_level_report *levels; /* level_count, finest first */
     uint64_t level_count;        /* number of levels used */
     const hmf_history_entry *history; /* history_count, in order of time */
     uint64_t history_count;
-    int32_t class_state;         /* HMF_CLASS_*: do the values belong to the loops? */
-    uint32_t class_repeats;      /* levels that were solved once more, as the first result had left the class */
-    double class_seconds;        /* for the certificate, part of solve_seconds */
+    int32_t class_state;         /* HMF_CLASS_* */
+    uint32_t class_repeats;      /* levels that were solved again because the first result had left the class */
+    double class_seconds;        /* time of the certificate, part of solve_seconds */
 } hmf_report;
 
-/* The report of a foliation that hmf_solve or hmf_relax made, else NULL.
+/* Returns the report of a foliation that hmf_solve or hmf_relax made, otherwise NULL.
    Valid until the foliation is destroyed. */
 HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
 
 /*
- * The harmonic foliation in the class of the loops.
+ * Computes the harmonic foliation in the class of the loops.
  *
  *   loops      on any level; NULL if, and only if, options->start is given
  *   out        the foliation on options->stop_level, with its report
  *
- * With options->start the class is that of a foliation, perhaps of another
- * hierarchy of the same triangles at other positions (the last frame of an
- * animation).  It is restricted to the coarsest level, and solved from there.
- * Where it is close to the minimum, hmf_relax is faster, which starts on its
- * level.
+ * With options->start the class is that of the given foliation.  It may belong to
+ * another hierarchy of the same triangles at other positions, for example to the
+ * previous frame of an animation.  It is restricted to the coarsest level, and
+ * solved from there.  If it is close to the minimum, hmf_relax is faster, because
+ * it starts on the level of the foliation.
  *
- * The minimum lies on the intrinsic Delaunay triangulation of level 0, and the
- * foliation keeps it: report, hmf_energy, hmf_residuals and what applications.h makes
- * start from there.  The values are those of the caller's edges, where a vertex
- * whose neighbors lie all in one direction would be a pole and is moved to the
- * next branch (counted in bad_flips).  The class is the same in any case.
+ * Returns
+ *   HMF_OK         the result has converged and is in the class
+ *   HMF_LIMIT_*    with the best foliation so far, closed and without poles
+ *   HMF_CANCELLED  with such a foliation if the callback answered
+ *                  HMF_PROGRESS_FINISH or stop_level had been reached; otherwise
+ *                  without
+ *   an error of classes 100, 200, 400, with start also 500, without a foliation.
+ *                  HMF_ERROR_UNSUPPORTED: loops cross an edge so often (more than
+ *                  32 times the largest weight) that a double cannot hold its
+ *                  value exactly
+ * See HMF_METHOD_PAPER for the exceptions of that method.
  *
- * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in out, closed
- * and, but for HMF_METHOD_PAPER, without poles; HMF_CANCELLED, with a foliation in
- * the same way if the callback said HMF_PROGRESS_FINISH, or if the asked level had
- * been reached, else without; or an error of classes 100, 200, 400, with a start
- * also 500, without a foliation.
- * HMF_ERROR_UNSUPPORTED: an edge is crossed so often (by more than 32 of the
- * largest weights) that a double cannot hold its value exactly.
+ * The minimum lies on the intrinsic Delaunay triangulation of level 0.  The foliation
+ * stores it; the report, hmf_energy, hmf_residuals and the calls of applications.h
+ * use it.  The values are those of your edges.  If all neighbors of a vertex lie in
+ * one direction there, the vertex would be a pole; it is moved to the next branch
+ * (counted in bad_flips).  The class is the same on both triangulations.
  */
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                              const hmf_solve_options *options, const hmf_control *control, hmf_foliation **out,
                              hmf_error *error);
 
 /*
- * Optimizes a foliation on its level; otherwise as hmf_solve.  The class is that
- * of the foliation: Newton steps are certified against it, and moves of single
- * vertices, the other methods, cannot leave it.  If the foliation has a report,
- * class_state is never better than there; without one it is UNKNOWN after moves
- * of single vertices.  options->stop_level and start are not used.
+ * Solves on the level of a foliation, starting from it; otherwise as hmf_solve.
+ *
+ * The class is that of the foliation.  Newton steps are certified against it, and
+ * Whitehead moves cannot leave it.  If the foliation has a report, class_state is
+ * never better than in that report.  If it has none, class_state is
+ * HMF_CLASS_UNKNOWN after Whitehead moves.  options->stop_level and start are
+ * ignored.
  */
 HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_options *options,
                              const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
-/* The same foliation on another level: finer by flip and split reversal
-   ([W] 4.2), coarser by restriction, where a collapse moves one vertex to the
-   image of the other.  Exact: closed and without poles before and after, in the
-   same class.  The result has no report.  Returns HMF_OK, or an error of classes
-   100, 200, or HMF_ERROR_VALUE_POLE. */
+/* Carries a foliation to another level: to a finer one by reversing flips and splits
+   ([W] 4.2), to a coarser one by moving the image of one vertex to that of the other
+   in each collapse.  The result is in the same class, closed and without poles, exactly.
+   It has no report.
+   Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level, const hmf_control *control,
                                    hmf_foliation **out, hmf_error *error);
 
@@ -628,8 +638,8 @@ HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level,
  * What a foliation is like
  * --------------------------------------------------------------------- */
 
-/* Dirichlet energy, [W] Eq. 5 (level 0: on the intrinsic Delaunay
-   triangulation, to which values of the caller's edges are carried exactly).
+/* Computes the Dirichlet energy ([W] Eq. 5).  Level 0: on the intrinsic Delaunay
+   triangulation, to which values of your edges are carried exactly.
    Returns HMF_OK, or an error of classes 100, 200. */
 HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control *control, double *energy,
                               hmf_error *error);
@@ -639,14 +649,14 @@ typedef struct hmf_residual_set {
     const double *values;        /* vertex_count, not negative; 0 at marked vertices */
 } hmf_residual_set;
 
-/* Violation of [W] Eq. 4 at each vertex, max(0, 2 max_k P_k - P) / max(P, 0.01 mean P),
-   where P_k is the sum of weight * F over sector k and P over all edges; sectors
-   that are one direction around a cluster of zero edges count as one.
-   0 everywhere means: this is the unique minimum.  Where the 60 bits inside are
-   too short for the tolerance of a solve (needles, caps) it is that of values
-   with a part of a unit more at some vertices, which the foliation keeps.
-   Free with hmf_free.
-   Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
+/* Computes the violation of [W] Eq. 4 at each vertex,
+   max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of weight * F
+   over sector k and P the sum over all edges.  Sectors that are one direction around
+   a cluster of zero edges count as one.  If all residuals are 0, the foliation is the
+   unique minimum.  Free the result with hmf_free.
+   Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE.
+   On meshes with extreme triangles (needles, caps) a solve may store a sub-unit
+   correction with the foliation; the residuals then include it. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, hmf_residual_set **out,
                                  hmf_error *error);
 
@@ -658,11 +668,12 @@ typedef enum hmf_singular_kind {
 
 typedef struct hmf_singularity {
     int32_t kind;                /* HMF_SINGULAR_* */
-    int32_t index;               /* < 0 a zero of order -index, > 0 a pole, 0 a marked vertex that is no zero */
+    int32_t index;               /* negative: a zero of order -index; positive: a pole; 0: a marked vertex that is no
+                                    zero */
     uint32_t element;
-    uint32_t size;               /* vertices of a cluster, else 1 */
-    double position[3];          /* of the vertex; the middle of the triangle; the mean of the cluster, with boundary
-                                    its vertex nearest to that */
+    uint32_t size;               /* number of vertices of a cluster, otherwise 1 */
+    double position[3];          /* of the vertex, of the center of the triangle, or of the mean of the cluster; with
+                                    boundary, of the vertex of the cluster nearest to the mean */
 } hmf_singularity;
 
 typedef struct hmf_singularity_set {
@@ -671,20 +682,23 @@ typedef struct hmf_singularity_set {
     uint64_t vertex_count;
     uint64_t triangle_count;
     uint64_t count;
-    const hmf_singularity *list; /* count: zeros and poles, vertices and clusters, then triangles, each by number;
-                                    behind them the marked vertices that are in no zero, index 0 */
-    const int32_t *vertex_index; /* vertex_count: index of each vertex; for the vertices of a cluster the index of the
-                                    cluster at its lowest vertex and 0 at the others */
+    const hmf_singularity *list; /* count: zeros and poles (vertices and clusters, then triangles, each by number),
+                                    followed by marked vertices that are in no zero, with index 0 */
+    const int32_t *vertex_index; /* vertex_count: index of each vertex; a cluster has its index at its lowest vertex and
+                                    0 at the others */
     const uint32_t *vertex_cluster; /* vertex_count: lowest vertex of the cluster */
     const int32_t *triangle_index;  /* triangle_count: 0 or -1 */
 } hmf_singularity_set;
 
 /*
- * Zeros and poles ([W] Eq. 1 and 3; a cluster has twice its Euler
- * characteristic minus the number of its closed corners; a marked vertex counts
- * as a closed corner).  The indices add up to 4 - 4 * genus - marked vertices.
- * With boundary: those of the double that lie on the surface or on its boundary.
- * Free with hmf_free.  Returns HMF_OK, or an error of classes 100, 200.
+ * Lists zeros, poles and marked vertices ([W] Eq. 1 and 3).  Free the result with
+ * hmf_free.
+ * Returns HMF_OK, or an error of classes 100, 200.
+ *
+ * The index of a cluster is twice its Euler characteristic minus the number of its
+ * closed corners; a marked vertex counts as a closed corner.  All indices add up to
+ * 4 - 4 * genus - marked vertices.  With boundary, the list has the singularities of
+ * the double that lie on the surface or on its boundary.
  */
 HMF_API hmf_status hmf_singularities(const hmf_foliation *foliation, const hmf_control *control,
                                      hmf_singularity_set **out, hmf_error *error);

@@ -6,25 +6,24 @@
  *     solution.foliation.values();           // one value per edge
  *     solution.foliation.singularities();
  *
- * What one does with a foliation is in applications.hpp.  hmf.h is the manual; here is
- * only what differs.
+ * applications.hpp has what follows from a foliation.  hmf.h is the manual; these comments
+ * only say what differs.
  *
- *   errors    A failing call throws hmf::Error with the status, the element
- *             and the sentence of hmf_error.  Limits are no failure: see
- *             Solution::status.  std::bad_alloc comes from the vectors only.
- *   arrays    In: Span, a pointer with a size, made from vectors, arrays and
- *             the like, also of std::array<T, N>.  Out: a Span that lives as long
- *             as the object it was asked of, or a std::vector.
+ *   errors    A call that fails throws hmf::Error with the status, the element
+ *             and the message of hmf_error.  Limits do not throw: see
+ *             Solution::status.  Only the vectors throw std::bad_alloc.
+ *   arrays    In: Span, a pointer with a size, made from vectors, arrays and similar
+ *             containers, also of std::array<T, N>.  Out: a Span that is valid as
+ *             long as the object that returned it, or a std::vector.
  *   objects   Hierarchy, Foliation and Results can be moved, not copied, and
- *             destroyed in any order.  What has been moved from can be
- *             destroyed or assigned to; its calls throw HMF_ERROR_NULL.
+ *             destroyed in any order.  A moved-from object can be destroyed or
+ *             assigned to; its calls throw HMF_ERROR_NULL.
  *   threads   As in C: any number of threads may use a const Hierarchy or
  *             Foliation.
- *   cores     A Threads object lends threads of the host to all calls that its
- *             own thread makes while it lives; Pool of hmf/pool.hpp has some.
- *   progress  The last argument of every call that can be long.  An exception
- *             of the function cancels the call, and is thrown again once the
- *             call has ended.
+ *   cores     While a Threads object lives, calls of the thread that created it use
+ *             threads of the host.  Pool of hmf/pool.hpp is a ready thread pool.
+ *   progress  The last argument of every call that can take long.  An exception of
+ *             the function cancels the call and is rethrown after it has ended.
  */
 #ifndef HMF_HMF_HPP
 #define HMF_HMF_HPP
@@ -48,7 +47,7 @@ namespace hmf {
 // Keeps these names apart from those inside a static library.
 inline namespace cpp {
 
-/* What a failing call says; what() is what is wrong and what to do. */
+/* Thrown by a call that fails; what() says what is wrong and what to do. */
 class Error : public std::runtime_error {
 public:
     Error(hmf_status status, int32_t element, uint64_t index, const std::string& message) :
@@ -97,7 +96,7 @@ private:
     std::size_t size_ = 0;
 };
 
-/* Answer of a progress function; finish: give the foliation that there is. */
+/* Answer of a progress function; finish: return the best foliation so far. */
 enum class Progress : int32_t {
     proceed = HMF_PROGRESS_CONTINUE,
     cancel = HMF_PROGRESS_CANCEL,
@@ -133,7 +132,7 @@ enum class LoopsKind : int32_t {
 
 class Foliation;
 
-/* The fields of the C structures; zero means the default.  Some have a type of C++; positions are packed. */
+/* The fields of the C structures; zero means the default.  Some have C++ types.  Positions are packed. */
 struct BuildOptions : hmf_hierarchy_options {
     BuildOptions() { hmf_hierarchy_options_init(this, sizeof(hmf_hierarchy_options)); }
     Collapse collapse = Collapse::automatic;
@@ -145,7 +144,7 @@ struct SolveOptions : hmf_solve_options {
     const Foliation* start = nullptr; /* instead of loops; borrowed until the call ends */
 };
 struct DesignOptions {
-    BuildOptions build; /* its marked vertices are part of every design */
+    BuildOptions build; /* its marked vertices become part of the design */
     bool no_poles = false;
     uint64_t solve_limit = 0;
 };
@@ -218,13 +217,13 @@ T defaults(void (*init)(T*, uint32_t)) noexcept {
     return structure;
 }
 
-/* What the innermost Threads object of this thread lends; zero: nothing. */
+/* Threads of the innermost Threads object of this thread; zero: none. */
 inline hmf_control& lent() noexcept {
     static thread_local hmf_control control = defaults(hmf_control_init);
     return control;
 }
 
-/* The callback of a call, and the exception that it must not let through. */
+/* The callback of a call; stores an exception, which must not pass through C. */
 class Reporter {
 public:
     explicit Reporter(const ProgressFunction& function) : function_(function), control_(lent()) {
@@ -257,8 +256,8 @@ private:
     hmf_control control_;
 };
 
-/* function(arguments..., control, &object, &error).  A call may be stopped and give an
-   object all the same: then the error says why. */
+/* function(arguments..., control, &object, &error).  A call that stops early may still return an object;
+   the error then says why. */
 template <class T, class Function, class... Arguments>
 Handle<T> make_or_stop(hmf_error& error, const ProgressFunction& progress, Function* function,
                        const Arguments&... arguments) {
@@ -303,7 +302,7 @@ inline hmf_hierarchy_options raw(const BuildOptions& options) {
     return all;
 }
 
-/* For calls during which the loops live.  Throws what C cannot see. */
+/* For calls during which the loops live.  Throws on errors that C cannot detect. */
 inline hmf_loop_set raw(const Loops& loops) {
     const auto check = [&](uint64_t size, uint64_t expected, const char* what) {
         if (size == expected) return;
@@ -344,9 +343,8 @@ inline Loops own(const hmf_loop_set& set) {
 
 } // namespace detail
 
-/* While it lives, the calls that its own thread makes share their work by
-   parallel_for, see hmf_parallel_for_fn.  The innermost one counts.  The bits of
-   the results are the same as without. */
+/* While the object lives, calls of the thread that created it run on parallel_for, see
+   hmf_parallel_for_fn.  The innermost object applies.  Results are bit-identical. */
 class Threads {
 public:
     explicit Threads(hmf_parallel_for_fn parallel_for, void* user, uint32_t workers = 0) : before_(detail::lent()) {
@@ -363,7 +361,7 @@ private:
     hmf_control before_;
 };
 
-/* A structure that the library made, with its arrays: result->count and the like. */
+/* A result structure of the library with its arrays, used as result->count. */
 template <class T>
 class Result {
 public:
@@ -459,11 +457,11 @@ private:
     detail::Handle<hmf_foliation> handle_;
 };
 
-/* What hmf_solve and hmf_relax give. */
+/* Result of hmf_solve and hmf_relax. */
 struct Solution {
-    Foliation foliation; /* closed and without poles, even if the optimization was stopped */
-    hmf_status status;   /* HMF_OK, HMF_LIMIT_*, or HMF_CANCELLED */
-    std::string message; /* why it was stopped; empty with HMF_OK */
+    Foliation foliation; /* closed and without poles, even if the solve stopped early */
+    hmf_status status;   /* HMF_OK, HMF_LIMIT_* or HMF_CANCELLED */
+    std::string message; /* why it stopped early; empty with HMF_OK */
     Report report;
 };
 
@@ -489,7 +487,7 @@ inline Solution Foliation::relax(const SolveOptions& options, const ProgressFunc
     return detail::solve(options, progress, hmf_relax, get());
 }
 
-/* What hmf_even_design gives. */
+/* Result of hmf_even_design. */
 struct Design {
     std::vector<uint32_t> marked_vertices;
     Loops loops; /* of level 0 */
@@ -585,7 +583,7 @@ public:
 
 private:
     const hmf_hierarchy_info& info() const {
-        static constexpr hmf_hierarchy_info none = {}; // of what has been moved from
+        static constexpr hmf_hierarchy_info none = {}; // of moved-from objects
         return get() ? *hmf_hierarchy_describe(get()) : none;
     }
 
