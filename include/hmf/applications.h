@@ -148,12 +148,12 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
 
 /* Which loops to make. */
 typedef enum hmf_loops_kind {
-    HMF_LOOPS_CUT = 1,           /* genus many, together they cut the surface into one planar piece; genus 0: round
+    HMF_LOOPS_CUT = 1,           /* genus loops that together cut the surface into one planar piece; on genus 0 around
                                     pairs of marked vertices */
-    HMF_LOOPS_HANDLE = 2,        /* a cut system whose loops bound inside the surface: they go round the handles */
-    HMF_LOOPS_TUNNEL = 3,        /* a cut system whose loops bound outside: they go round the holes */
-    HMF_LOOPS_PANTS = 4          /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
-                                    surface into pairs of pants */
+    HMF_LOOPS_HANDLE = 2,        /* as CUT, with loops that bound inside the solid: they go around the handles */
+    HMF_LOOPS_TUNNEL = 3,        /* as CUT, with loops that bound outside: they go around the holes */
+    HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked vertices loops (one on a torus without marked vertices) that
+                                    cut the surface into pairs of pants */
 } hmf_loops_kind;
 /* With boundary: CUT has genus many loops (genus 0 with marked vertices inside: round pairs of those, or of one and a
    boundary) and one along each boundary (an annulus: one); a disk with fewer than two marked vertices inside has arcs
@@ -161,30 +161,32 @@ typedef enum hmf_loops_kind {
    the most loops that the double can have.  There is no HANDLE and no TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
 
 /*
- * Loops made by the library on a level, as triangle loops: simple, disjoint,
- * essential, pairwise not freely homotopic, and short.  Loop c is in the same class on
- * every level, and for every ratio, collapse and coarsest; a hierarchy with other
- * options than the default ones costs the time and memory of another
- * hmf_hierarchy_create.  Other triangles of the same shape may have other classes
- * where those are as long, within 1 % in total for CUT and PANTS, or where detail is
- * as small as triangles of a coarse level.  With boundary: level 0 only.
+ * Chooses loops on a level, as loops of triangles: simple, disjoint, essential, pairwise
+ * not freely homotopic, and short.
  *
- *   kind           HMF_LOOPS_*.  HANDLE and TUNNEL are decided by linking
- *                  numbers in space on level 0, exactly, with positions
- *                  rounded to 1e-10 of the size of the object: each loop is
- *                  null-homologous inside, or outside.  Inside is where
- *                  the surface encloses volume, whichever way the triangles
- *                  turn.  A surface that meets itself may have no such loops,
- *                  or only such as no search of bounded length finds:
- *                  HMF_ERROR_MESH_NOT_EMBEDDED.
- *   out            loops that can be given to hmf_solve as they are (weights
- *                  are NULL: all 1); free with hmf_free
+ *   level   with boundary: 0
+ *   kind    HMF_LOOPS_*
+ *   out     loops for hmf_solve, with weights NULL (all 1); free with hmf_free
  *
- * Deterministic.
- * Returns HMF_OK; HMF_ERROR_MESH_GENUS for HANDLE and TUNNEL on genus 0,
- * HMF_ERROR_MESH_BOUNDARY, HMF_ERROR_MESH_NOT_EMBEDDED; HMF_ERROR_UNSUPPORTED if
- * triangles of a coarse level share several edges and so do not name a loop; or an
- * error of classes 100, 200.
+ * HANDLE and TUNNEL: each loop bounds a surface inside the solid, or outside.  This is
+ * decided exactly, by linking numbers on level 0, with positions rounded to 1e-10 of
+ * the size of the object.  Inside is where the surface encloses volume, for either
+ * orientation of the triangles.
+ *
+ * Returns HMF_OK, HMF_CANCELLED, or
+ *   HMF_ERROR_MESH_GENUS         HANDLE or TUNNEL on genus 0
+ *   HMF_ERROR_MESH_BOUNDARY      HANDLE or TUNNEL on a surface with boundary
+ *   HMF_ERROR_MESH_NOT_EMBEDDED  HANDLE or TUNNEL on a surface that intersects itself, if it
+ *                                has no such loops, or only very long ones
+ *   HMF_ERROR_UNSUPPORTED        triangles of a coarse level share several edges, so they do
+ *                                not determine a loop; use a finer level
+ *   an error of classes 100, 200
+ *
+ * The result is deterministic.  The classes depend on the triangles alone, not on the
+ * options of the hierarchy, and loop c is in the same class on every level.  For a
+ * hierarchy with other than the default options, another hierarchy is built during the
+ * call.  docs/loops.md describes how loops are chosen, and how stable they are under
+ * remeshing.
  */
 HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind, const hmf_control *control,
                              hmf_loop_set **out, hmf_error *error);

@@ -41,13 +41,13 @@
  *   results   A result is one structure with counts and flat arrays, in one block:
  *             free it with hmf_free.  Data of an object (hmf_hierarchy_describe,
  *             hmf_foliation_values, hmf_foliation_report) are part of the object.
- *   types     uint32_t indices from 0, size_t or uint64_t counts, double reals.
+ *   types     Indices are uint32_t from 0, counts size_t or uint64_t, reals double.
  *             Values of an enumeration are passed and stored as int32_t, so that
- *             layouts do not depend on the compiler; HMF_METHOD_* stands for
- *             those of hmf_method.
- *   memory    All through the allocator of the build options, which must
- *             then be thread-safe if the objects are shared, and must live as
- *             long as they and the results do.
+ *             layouts do not depend on the compiler; HMF_METHOD_* stands for the
+ *             values of hmf_method.
+ *   memory    All memory comes from the allocator of the hierarchy options.  It
+ *             must be thread-safe if objects are shared between threads, and must
+ *             outlive the objects and results.
  *   options   Structures begin with struct_size = sizeof(structure), so that they
  *             can grow.  A function for each sets struct_size and the defaults:
  *                 hmf_solve_options options;
@@ -106,7 +106,7 @@ extern "C" {
  * Status and errors
  * --------------------------------------------------------------------- */
 
-/* Result of every fallible call.  Values never change; new ones are added. */
+/* Result of every call that can fail.  Values never change; new ones may be added. */
 typedef int32_t hmf_status;
 
 typedef enum hmf_status_code {
@@ -118,15 +118,15 @@ typedef enum hmf_status_code {
     HMF_LIMIT_TIME = 11,
     HMF_LIMIT_STALLED = 12,
     HMF_CANCELLED = 13,
-    HMF_LIMIT_CLASS = 14, /* no step that stays in the class of the loops reaches the minimum; error->index is
-                              a loop that the others lose.  report->class_state tells of the values */
+    HMF_LIMIT_CLASS = 14,        /* no step within the class of the loops reaches the minimum; error->index is a loop
+                                    whose class would be lost. report->class_state describes the values */
 
     /* the call itself */
     HMF_ERROR_NULL = 100,        /* a pointer that must not be NULL is */
     HMF_ERROR_OPTIONS = 101,     /* an option is out of range or from a newer header */
     HMF_ERROR_COUNT = 102,       /* an array has the wrong number of elements */
     HMF_ERROR_LEVEL = 103,       /* no such level */
-    HMF_ERROR_UNSUPPORTED = 104, /* not available in this version */
+    HMF_ERROR_UNSUPPORTED = 104, /* not available in this version, or for this input */
 
     /* resources */
     HMF_ERROR_MEMORY = 200,      /* the allocator returned NULL */
@@ -137,23 +137,23 @@ typedef enum hmf_status_code {
     HMF_ERROR_MESH_INDEX = 301, /* a triangle names a vertex that does not exist */
     HMF_ERROR_MESH_NOT_FINITE = 302, /* a coordinate is infinite or not a number */
     HMF_ERROR_MESH_REPEATED_VERTEX = 303, /* a triangle names one vertex twice */
-    HMF_ERROR_MESH_DEGENERATE = 304, /* a triangle without area (see mollify in hmf_hierarchy_options) */
-    HMF_ERROR_MESH_BOUNDARY = 305, /* a surface with boundary, where only closed ones have a meaning */
+    HMF_ERROR_MESH_DEGENERATE = 304, /* a triangle of zero area (see mollify in hmf_hierarchy_options) */
+    HMF_ERROR_MESH_BOUNDARY = 305, /* the surface has a boundary, and the call needs a closed one */
     HMF_ERROR_MESH_NON_MANIFOLD_EDGE = 306, /* an edge with three or more triangles */
-    HMF_ERROR_MESH_ORIENTATION = 307, /* neighboring triangles turn in opposite senses */
+    HMF_ERROR_MESH_ORIENTATION = 307, /* neighboring triangles have opposite orientations */
     HMF_ERROR_MESH_NON_MANIFOLD_VERTEX = 308, /* a vertex with several fans of triangles */
     HMF_ERROR_MESH_UNUSED_VERTEX = 309, /* a vertex without a triangle */
     HMF_ERROR_MESH_COMPONENTS = 310, /* more than one connected component: see hmf_components */
     HMF_ERROR_MESH_GENUS = 311, /* genus 0 with too few marked vertices: no measured foliation */
-    HMF_ERROR_MESH_NOT_EMBEDDED = 312, /* the surface meets itself, so that inside and outside have no meaning */
-    HMF_ERROR_MESH_NOT_DELAUNAY = 313, /* the intrinsic Delaunay triangulation was not reached: triangles too thin, or
-                                    more flips needed than 16 per edge */
+    HMF_ERROR_MESH_NOT_EMBEDDED = 312, /* the surface intersects itself, so inside and outside are not defined */
+    HMF_ERROR_MESH_NOT_DELAUNAY = 313, /* the intrinsic Delaunay triangulation was not reached: triangles are too thin,
+                                    or more than 16 flips per edge are needed */
 
     /* loops and weights */
     HMF_ERROR_LOOP_COUNT = 400, /* no loops */
     HMF_ERROR_LOOP_INDEX = 401, /* an element that does not exist on the level */
     HMF_ERROR_LOOP_NOT_CLOSED = 402, /* consecutive elements are not neighbors */
-    HMF_ERROR_LOOP_NOT_SIMPLE = 403, /* a loop meets itself */
+    HMF_ERROR_LOOP_NOT_SIMPLE = 403, /* a loop crosses itself */
     HMF_ERROR_LOOP_CROSSING = 404, /* two loops cross */
     HMF_ERROR_LOOP_TRIVIAL = 405, /* a loop bounds a disk */
     HMF_ERROR_LOOP_PARALLEL = 406, /* two loops are freely homotopic */
@@ -185,7 +185,7 @@ typedef enum hmf_element {
     HMF_ELEMENT_OPTION = 6
 } hmf_element;
 
-/* Filled by a failing call; untouched by a successful one. */
+/* Filled by a call that fails; left unchanged by a call that succeeds. */
 typedef struct hmf_error {
     hmf_status status;
     int32_t element;             /* HMF_ELEMENT_*: what the error is about */
@@ -220,8 +220,8 @@ typedef enum hmf_progress {
     HMF_PROGRESS_FINISH = 2
 } hmf_progress;
 
-/* Called on the calling thread; fraction rises from 0 to 1.  Returns an
-   hmf_progress.  The callback must not call hmf with the same objects. */
+/* Called on the calling thread.  fraction rises from 0 to 1.  Returns an hmf_progress.
+   The callback must not call hmf with the same objects. */
 typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
 
 /* A part of the work of a call.  It neither allocates nor calls back. */
@@ -273,9 +273,9 @@ HMF_API void hmf_free(const void *result);
 
 typedef enum hmf_collapse {
     HMF_COLLAPSE_DEFAULT = 0,
-    HMF_COLLAPSE_MIDPOINT = 1,   /* shortest edge, to its midpoint (default) */
-    HMF_COLLAPSE_ENDPOINT = 2,   /* shortest edge, to one end */
-    HMF_COLLAPSE_QSLIM = 3       /* least quadric error, to its best point */
+    HMF_COLLAPSE_MIDPOINT = 1,   /* shortest edge first, to its midpoint (default) */
+    HMF_COLLAPSE_ENDPOINT = 2,   /* shortest edge first, to one end */
+    HMF_COLLAPSE_QSLIM = 3       /* least quadric error first, to the best point */
 } hmf_collapse;
 
 typedef struct hmf_hierarchy_options {
@@ -486,13 +486,13 @@ HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
 
 typedef enum hmf_method {
     HMF_METHOD_DEFAULT = 0,
-    HMF_METHOD_NEWTON = 1,        /* Newton steps on the twisted Laplacian, cascadic */
-    HMF_METHOD_WHITEHEAD = 2,     /* Whitehead moves, cascadic ([W] section 4) */
-    HMF_METHOD_SINGLE_LEVEL = 3,  /* Whitehead moves on the input mesh ([W] 3.3) */
-    HMF_METHOD_PAPER = 4          /* whitehead with "case 4" of [W] 4.2.2 as printed: it may make poles, which moves
-                                    then fix or not; for comparison.  A result with poles, or of another class, has
-                                    HMF_LIMIT_CLASS, and its values are good for hmf_singularities and hmf_energy
-                                    only.  Without a bad flip it is the result of whitehead, bit for bit */
+    HMF_METHOD_NEWTON = 1,       /* Newton steps on the twisted Laplacian, level by level (default) */
+    HMF_METHOD_WHITEHEAD = 2,    /* Whitehead moves, level by level ([W] section 4) */
+    HMF_METHOD_SINGLE_LEVEL = 3, /* Whitehead moves on the input mesh ([W] 3.3) */
+    HMF_METHOD_PAPER = 4         /* as WHITEHEAD, but with "case 4" of [W] 4.2.2 as printed, for comparison: a flip may
+                                    make a pole, which later moves may or may not remove. A result with poles or of
+                                    another class has HMF_LIMIT_CLASS, and only hmf_singularities and hmf_energy
+                                    accept it. Without such flips the result is that of WHITEHEAD, bit for bit */
 } hmf_method;
 
 typedef struct hmf_solve_options {
@@ -537,13 +537,14 @@ typedef struct hmf_history_entry {
     uint32_t kind;               /* 0 interpolation, 1 sweep, 2 linear solve */
 } hmf_history_entry;
 
-/* What is known of the class of a result.  Proven, exactly and from the integers of
-   the result alone: one cylinder of closed leaves for each loop, as high as the weight
-   of the loop, and freely homotopic to it, on the surface without its marked vertices. */
+/* Whether a result belongs to its loops.  Proven means: one cylinder of closed leaves
+   for each loop, whose height is the weight of the loop and whose leaves are freely
+   homotopic to it, on the surface without its marked vertices.  The proof is exact and
+   uses only the integers of the result. */
 typedef enum hmf_class_state {
-    HMF_CLASS_UNKNOWN = 0,  /* not looked at: cancelled, or values at the start that no loops have */
+    HMF_CLASS_UNKNOWN = 0,       /* not tested: cancelled, or started from values that belong to no loops */
     HMF_CLASS_PROVEN = 1,
-    HMF_CLASS_LOST = 2      /* never with HMF_OK */
+    HMF_CLASS_LOST = 2           /* never with HMF_OK */
 } hmf_class_state;
 
 /* Report of hmf_solve and hmf_relax. */
