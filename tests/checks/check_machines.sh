@@ -93,7 +93,7 @@ refused() { # name, "compiler and flags": one file does not compile, with a sent
         return 0
     fi
     # shellcheck disable=SC2086
-    if $2 -std=c++17 -I"$root/include" -c "$root/src/base/memory.cpp" -o "$work/refused.o" > "$work/refused.log" 2>&1; then
+    if $2 -std=c++17 -I"$root/include" -c "$root/src/core/base/memory.cpp" -o "$work/refused.o" > "$work/refused.log" 2>&1; then
         echo "not ok machines $1: compiles"
         failed=1
     elif grep -q 'error.*hmf needs' "$work/refused.log"; then

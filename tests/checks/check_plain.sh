@@ -42,7 +42,7 @@ for cxx in g++ clang++; do
     fi
     for flags in "-O2 -ffast-math" -Ofast; do
         # shellcheck disable=SC2086
-        if $cxx -std=c++17 $flags -I"$root/include" -c "$root/src/base/memory.cpp" -o "$work/refused.o" > "$work/refused.log" 2>&1 ||
+        if $cxx -std=c++17 $flags -I"$root/include" -c "$root/src/core/base/memory.cpp" -o "$work/refused.o" > "$work/refused.log" 2>&1 ||
             ! grep -q 'error.*hmf needs' "$work/refused.log"; then
             echo "not ok plain-refuses $cxx $flags"
             failed=1

@@ -51,7 +51,7 @@ done
 # What the comparison would see: without the map the folder shows.
 for folder in a another/place-with-a-longer-name; do
     # shellcheck disable=SC2086
-    c++ -std=c++17 $flags -g -I"$work/$folder/include" -c "$work/$folder/src/base/memory.cpp" -o "$work/$folder/plain.o" || failed=1
+    c++ -std=c++17 $flags -g -I"$work/$folder/include" -c "$work/$folder/src/core/base/memory.cpp" -o "$work/$folder/plain.o" || failed=1
 done
 if cmp -s "$work/a/plain.o" "$work/another/place-with-a-longer-name/plain.o"; then
     echo "not ok reproducible seen: the comparison cannot fail"
