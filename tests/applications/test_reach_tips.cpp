@@ -6,6 +6,7 @@
 //     | / | \ |
 //     r---r---r
 #include "src/applications/quads/reach_tips.hpp"
+#include "src/applications/quads/surface_search.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +39,10 @@ public:
     // Whether the vertex in the middle moves.
     bool reach() {
         size_t moved = 0;
-        EXPECT_EQ(hmf::reach_tips(made_.mesh(), made_.positions.data(), nullptr, quads_, moved, call_), HMF_OK);
+        hmf::SurfaceSearch surface;
+        EXPECT_TRUE(surface.build(made_.mesh(), made_.positions.data(), call_.memory));
+        EXPECT_EQ(hmf::reach_tips(made_.mesh(), made_.positions.data(), surface, nullptr, quads_, moved, call_),
+                  HMF_OK);
         return moved == 1;
     }
     double height() const { return quads_.positions[3 * 8 + 2]; }

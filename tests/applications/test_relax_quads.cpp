@@ -17,6 +17,7 @@
 #include "src/applications/quads/refine_quads.hpp"
 #include "src/applications/quads/sharp_edges.hpp"
 #include "src/applications/quads/snap_quads.hpp"
+#include "src/applications/quads/surface_search.hpp"
 #include "src/applications/quads/surface_walk.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meter.hpp"
@@ -35,8 +36,15 @@ using hmf::Mesh;
 
 constexpr uint32_t COLUMNS = 7;
 
+hmf::SurfaceSearch search_of(const Mesh& mesh, const double* position, hmf::Memory& memory) {
+    hmf::SurfaceSearch surface;
+    EXPECT_TRUE(surface.build(mesh, position, memory));
+    return surface;
+}
+
 void optimize(const Mesh& mesh, const double* position, hmf::QuadMesh& quads, hmf::Call& call) {
-    hmf::QuadOptimizer optimizer(mesh, position, quads, call);
+    const hmf::SurfaceSearch surface = search_of(mesh, position, call.memory);
+    hmf::QuadOptimizer optimizer(mesh, position, surface, quads, call);
     ASSERT_EQ(optimizer.start(), HMF_OK);
     ASSERT_EQ(optimizer.untangle(), HMF_OK);
     ASSERT_EQ(optimizer.shape(400), HMF_OK);
@@ -135,7 +143,8 @@ TEST_F(OnAnEdge, TheNearestTakesACorner) {
                 room = room && patch.quads.push(v);
     ASSERT_TRUE(room);
     size_t snapped = 0;
-    ASSERT_EQ(hmf::snap_to_sharp_edges(mesh, made.positions.data(), nullptr, patch, snapped, call), HMF_OK);
+    const hmf::SurfaceSearch surface = search_of(mesh, made.positions.data(), memory);
+    ASSERT_EQ(hmf::snap_to_sharp_edges(mesh, made.positions.data(), surface, nullptr, patch, snapped, call), HMF_OK);
     for (int k = 0; k < 3; ++k) EXPECT_EQ(patch.positions[3 * 5 + k], k == 2 ? 1 : 0);
     EXPECT_EQ(patch.held[5], hmf::AT_SHARP_CORNER);
     EXPECT_NE(patch.held[6], hmf::AT_SHARP_CORNER);
@@ -198,6 +207,7 @@ TEST(OptimizeQuads, DisorderBecomesSquares) {
     const double* const position = made.positions.data();
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Call call(memory, nullptr, nullptr, nullptr);
+    const hmf::SurfaceSearch surface = search_of(mesh, position, memory);
     const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
     for (const double most : {0.3, 1.5}) { // with few inverted quads, with many
         std::mt19937 random(5);
@@ -218,10 +228,10 @@ TEST(OptimizeQuads, DisorderBecomesSquares) {
             }
         ASSERT_TRUE(room);
         uint64_t inverted = 0;
-        ASSERT_TRUE(hmf::count_inverted(mesh, position, quads, inverted, call));
+        ASSERT_TRUE(hmf::count_inverted(surface, quads, inverted, call));
         if (most > 1) EXPECT_GT(inverted, N * N / 2);
         optimize(mesh, position, quads, call);
-        ASSERT_TRUE(hmf::count_inverted(mesh, position, quads, inverted, call));
+        ASSERT_TRUE(hmf::count_inverted(surface, quads, inverted, call));
         EXPECT_EQ(inverted, 0u);
         for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
             EXPECT_NEAR(quads.positions[3 * v], v / (N + 1), 0.1);
@@ -277,6 +287,75 @@ TEST(QuadShape, AFoldedQuadIsBad) {
     }
 }
 
+// Random points, directions and distances, against all triangles.  Some of the triangles are no part of the surface.
+TEST(SurfaceSearch, FindsWhatAllTrianglesShow) {
+    test::MadeMesh made(test::plate(2, 1, 2));
+    Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    std::vector<uint32_t> face(mesh.face, mesh.face + 2 * mesh.edge_count);
+    for (uint32_t& f : face)
+        if (f % 7 == 3) f = hmf::NONE;
+    mesh.face = face.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    const hmf::SurfaceSearch surface = search_of(mesh, position, memory);
+    std::mt19937 random(17);
+    std::uniform_real_distribution<double> any(-1, 1);
+    size_t behind = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const hmf::Point n{any(random), any(random), any(random)},
+            p = hmf::point(position, random() % mesh.vertex_count) + hmf::Point{any(random), any(random), any(random)};
+        const double room = 0.3 * (any(random) + 1), at[3] = {p.x, p.y, p.z};
+        double nearest = HUGE_VAL, agrees = HUGE_VAL;
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+            if (face[h] == hmf::NONE) continue;
+            double there[3];
+            int on = 0;
+            const double distance =
+                std::sqrt(hmf::nearest_in_triangle(at, position + 3 * mesh.origin[h], position + 3 * mesh.target(h),
+                                                   position + 3 * mesh.origin[mesh.prev(h)], there, on));
+            nearest = std::min(nearest, distance);
+            if (dot(hmf::normal_at(mesh, position, h), n) > 0) agrees = std::min(agrees, distance);
+        }
+        if (std::fabs(agrees - nearest - room) < 1e-9) continue;
+        EXPECT_EQ(surface.is_behind(p, n, room), agrees > nearest + room) << k;
+        behind += agrees > nearest + room;
+    }
+    EXPECT_GT(behind, 300u);
+    EXPECT_LT(behind, 1700u);
+}
+
+// A quad whose corners lie on the upper side of a plate, which is thin beside it: seen from below it is folded, and it
+// is not while one side of the plate is as near as the other one.
+TEST(QuadShape, AQuadUnderThePlateIsFolded) {
+    test::MadeMesh made(test::plate(0, 1, 2));
+    const Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    const hmf::SurfaceSearch surface = search_of(mesh, position, memory);
+    double low = HUGE_VAL, high = -HUGE_VAL, x = 0, y = 0;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        low = std::min(low, position[3 * v + 2]);
+        high = std::max(high, position[3 * v + 2]);
+        x += position[3 * v] / mesh.vertex_count;
+        y += position[3 * v + 1] / mesh.vertex_count;
+    }
+    const auto is_folded = [&](double z) {
+        hmf::QuadMesh quads;
+        quads.start(memory);
+        const double half = 0.1 * (high - low), corner[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+        for (const auto& c : corner) {
+            const double p[3] = {x + c[0] * half, y + c[1] * half, z};
+            EXPECT_TRUE(quads.add_vertex(p, 0, 0) && quads.quads.push(quads.vertex_count() - 1));
+        }
+        return !(hmf::worst_corner_from_outside(surface, quads, 0) > 0);
+    };
+    EXPECT_FALSE(is_folded(high));
+    EXPECT_FALSE(is_folded(0.6 * high + 0.4 * low));
+    EXPECT_FALSE(is_folded(0.5 * high + 0.5 * low));
+    EXPECT_TRUE(is_folded(0.4 * high + 0.6 * low));
+    EXPECT_TRUE(is_folded(low));
+}
+
 // A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square.
 TEST(OptimizeQuads, PatchFaceDownIsTurned) {
     constexpr uint32_t N = 32, LOW = 14, HIGH = 17;
@@ -303,10 +382,11 @@ TEST(OptimizeQuads, PatchFaceDownIsTurned) {
                  {i * (N + 1) + j, (i + 1) * (N + 1) + j, (i + 1) * (N + 1) + j + 1, i * (N + 1) + j + 1})
                 room = room && quads.quads.push(v);
     ASSERT_TRUE(room);
+    const hmf::SurfaceSearch surface = search_of(mesh, position, memory);
     const auto inwards = [&] {
         size_t count = 0;
         for (size_t q = 0; q < quads.quad_count(); ++q)
-            count += !(hmf::worst_corner_from_outside(mesh, position, quads, q) > 0);
+            count += !(hmf::worst_corner_from_outside(surface, quads, q) > 0);
         return count;
     };
     const size_t before = inwards();

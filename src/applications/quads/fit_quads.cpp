@@ -7,6 +7,7 @@
 #include "reach_tips.hpp"
 #include "refine_quads.hpp"
 #include "snap_quads.hpp"
+#include "surface_search.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -50,15 +51,15 @@ struct Attempt {
 };
 constexpr Attempt ATTEMPTS[] = {{true, false}, {false, false}, {true, true}};
 
-hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int sweeps, int halvings,
-               const Attempt& as, QuadMesh& quads, uint64_t& inverted, Call& call) {
+hmf_status fit(const Mesh& mesh, const double* position, const SurfaceSearch& surface, const Reflection* front,
+               int sweeps, int halvings, const Attempt& as, QuadMesh& quads, uint64_t& inverted, Call& call) {
     {
-        QuadOptimizer optimizer(mesh, position, quads, call);
+        QuadOptimizer optimizer(mesh, position, surface, quads, call);
         if (optimizer.start() || optimizer.untangle() || optimizer.shape(sweeps)) return call.status();
         for (int round = 0; round < ROUNDS && as.reaches; ++round) {
             size_t reached = 0, snapped = 0;
-            if (reach_tips(mesh, position, front, quads, reached, call)
-                || snap_to_sharp_edges(mesh, position, front, quads, snapped, call))
+            if (reach_tips(mesh, position, surface, front, quads, reached, call)
+                || snap_to_sharp_edges(mesh, position, surface, front, quads, snapped, call))
                 return call.status();
             if (reached + snapped == 0) break;
             optimizer.look_again();
@@ -73,12 +74,12 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
     }
     for (; halvings > 0; --halvings) {
         if (refine_quads(mesh, position, quads, call)) return call.status();
-        QuadOptimizer optimizer(mesh, position, quads, call);
+        QuadOptimizer optimizer(mesh, position, surface, quads, call);
         if (optimizer.start() || optimizer.untangle() || optimizer.shape(std::min(sweeps, SWEEPS_ON_FINER))
             || (as.lets_go && optimizer.untangle()))
             return call.status();
     }
-    return count_inverted(mesh, position, quads, inverted, call) ? HMF_OK : call.stopped();
+    return count_inverted(surface, quads, inverted, call) ? HMF_OK : call.stopped();
 }
 
 } // namespace
@@ -88,13 +89,14 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection*
                      QuadMesh& quads, uint64_t& inverted, Call& call) {
     if (front && place_on_boundary(mesh, position, quads, call)) return call.status();
     QuadMesh start, now;
-    if (!start.copy(quads, call.memory)) return call.out_of_memory();
-    if (!count_inverted(mesh, position, quads, inverted, call)) return call.stopped();
+    SurfaceSearch surface;
+    if (!start.copy(quads, call.memory) || !surface.build(mesh, position, call.memory)) return call.out_of_memory();
+    if (!count_inverted(surface, quads, inverted, call)) return call.stopped();
     bool is_first = true;
     for (const Attempt& as : ATTEMPTS) {
         uint64_t left = 0;
         if (!now.copy(start, call.memory)) return call.out_of_memory();
-        if (fit(mesh, position, front, sweeps, halvings, as, now, left, call)) return call.status();
+        if (fit(mesh, position, surface, front, sweeps, halvings, as, now, left, call)) return call.status();
         if (left < inverted || (is_first && left <= inverted)) {
             inverted = left;
             std::swap(quads, now);

@@ -368,7 +368,7 @@ bool QuadOptimizer::is_folded(size_t q) const {
         if (!flat_[quad.corner[k]] && !(dot(cross(e, b), n) > 0)) return true;
     }
     return !flat_[quad.corner[0]] && !flat_[quad.corner[1]] && !flat_[quad.corner[2]] && !flat_[quad.corner[3]]
-        && !(worst_corner_from_outside(mesh_, position_, quads_, q) > 0);
+        && !(worst_corner_from_outside(surface_, quads_, q) > 0);
 }
 
 size_t QuadOptimizer::count_folded() const {

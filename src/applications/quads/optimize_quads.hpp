@@ -10,8 +10,8 @@ class QuadOptimizer {
 public:
     // quads: their places change, not which they are.  What is held AT_BOUNDARY slides along the boundary, ON_CREASE
     // along sharp edges, free vertices move on the surface, and others stay.
-    QuadOptimizer(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
-        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+    QuadOptimizer(const Mesh& mesh, const double* position, const SurfaceSearch& surface, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), surface_(surface), quads_(quads), call_(call) {}
 
     [[nodiscard]] hmf_status start();
 
@@ -55,6 +55,7 @@ private:
 
     const Mesh& mesh_;
     const double* position_;
+    const SurfaceSearch& surface_;
     QuadMesh& quads_;
     Call& call_;
     SurfaceNormals normals_;

@@ -1,8 +1,8 @@
 #include "quad_figures.hpp"
 
 #include "nearest_quads.hpp"
+#include "surface_search.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -29,22 +29,22 @@ Done measure_distance(const Mesh& mesh, const double* position, const Reflection
 
 } // namespace
 
-Done count_inverted(const Mesh& mesh, const double* position, const QuadMesh& quads, uint64_t& inverted, Call& call) {
+Done count_inverted(const SurfaceSearch& surface, const QuadMesh& quads, uint64_t& inverted, Call& call) {
     inverted = 0;
     for (size_t q = 0; q < quads.quad_count(); ++q) {
         if (q % FIGURES_SLICE == 0 && !call.tick(0)) return false;
-        double as_it_lies = 0;
-        const double seen = worst_corner_from_outside(mesh, position, quads, q, &as_it_lies);
-        inverted += !(std::min(seen, as_it_lies) > 0);
+        inverted += !(worst_corner_from_outside(surface, quads, q) > 0);
     }
     return true;
 }
 
 hmf_status quad_figures(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
                         QuadFigures& figures, Call& call) {
+    SurfaceSearch surface;
     Array<uint32_t> valence;
     figures = {};
-    if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
+    if (!surface.build(mesh, position, call.memory) || !valence.allocate_filled(call.memory, quads.vertex_count(), 0u))
+        return call.out_of_memory();
     for (const uint32_t v : quads.quads) ++valence[v];
     for (uint32_t v = 0; v < quads.vertex_count(); ++v)
         figures.irregular += valence[v] != (is_at_boundary(quads.held[v]) ? 2 : 4);
@@ -53,7 +53,7 @@ hmf_status quad_figures(const Mesh& mesh, const double* position, const Reflecti
         const Point normal = cross(corner(2) - corner(0), corner(3) - corner(1));
         figures.area += 0.5 * std::sqrt(dot(normal, normal));
     }
-    if (!count_inverted(mesh, position, quads, figures.inverted, call)
+    if (!count_inverted(surface, quads, figures.inverted, call)
         || !measure_distance(mesh, position, front, quads, figures.distance, call))
         return call.stopped();
     return HMF_OK;

@@ -1,6 +1,6 @@
 #include "quad_shape.hpp"
 
-#include "surface_walk.hpp"
+#include "surface_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,35 +15,10 @@ Point normal_at(const Mesh& mesh, const double* position, uint32_t h) {
     return doubled > 0 ? (1 / doubled) * normal : Point{};
 }
 
-Point outwards_at(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner) {
-    Point sum;
-    for (size_t k = 0; k < 4; ++k) sum = sum + normal_at(mesh, position, quads.sides[corner[k]]);
-    return sum;
-}
-
 namespace {
 
-// Along which the corners of a quad with this normal are seen: it; where it looks inwards, against the
-// normals where its corners lie, and where the surface is nearest to its middle, the latter.
-Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner,
-           const Point& normal) {
-    constexpr double CLEARLY = 2.8; // of the sum of four
-    Point middle;
-    if (dot(normal, outwards_at(mesh, position, quads, corner)) > CLEARLY) return normal;
-    for (size_t k = 0; k < 4; ++k) middle = middle + 0.25 * at(quads, corner[k]);
-    const double p[3] = {middle.x, middle.y, middle.z};
-    double least = HUGE_VAL;
-    Point there;
-    for (size_t k = 0; k < 4; ++k) {
-        double nearest[3];
-        const uint32_t side = walk_to_nearest(mesh, position, quads.sides[corner[k]], p, nearest);
-        const Point off = point(nearest, 0) - middle;
-        if (!(dot(off, off) < least)) continue;
-        least = dot(off, off);
-        there = normal_at(mesh, position, side);
-    }
-    return dot(normal, there) < 0 ? there : normal;
-}
+// In diagonals of a quad: where the surface has two sides nearer to each other than this, it may lie on either.
+constexpr double LEEWAY = 0.02;
 
 // Where a side, or a diagonal, is this part of the longest side, its ends are at the same place for all who see the
 // quad; and a corner with this sine is one of 0 or 180 degrees.
@@ -83,18 +58,13 @@ double worst_corner(const QuadMesh& quads, size_t q) {
     return dot(n, n) > 0 ? least_sine(p, n) : -1;
 }
 
-double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q,
-                                 double* as_it_lies) {
-    const uint32_t* const corner = &quads.quads[4 * q];
+double worst_corner_from_outside(const SurfaceSearch& surface, const QuadMesh& quads, size_t q) {
     Point p[4];
-    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, corner[k]);
-    const Point n = normal_of(p);
-    const bool is_flat = !(dot(n, n) > 0);
-    const Point seen = is_flat ? n : view(mesh, position, quads, corner, n);
-    const double worst = is_flat ? -1 : least_sine(p, seen);
-    const bool is_same = seen.x == n.x && seen.y == n.y && seen.z == n.z;
-    if (as_it_lies) *as_it_lies = is_same ? worst : least_sine(p, n);
-    return worst;
+    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
+    const Point n = normal_of(p), diagonal = p[2] - p[0];
+    if (!(dot(n, n) > 0)) return -1;
+    const double room = LEEWAY * std::sqrt(dot(diagonal, diagonal));
+    return surface.is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, room) ? -1 : least_sine(p, n);
 }
 
 Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
@@ -119,10 +89,10 @@ bool QuadStars::is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const {
     return true;
 }
 
-double QuadStars::worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const {
+double QuadStars::worst_corner(const SurfaceSearch& surface, const QuadMesh& quads, uint32_t v) const {
     double worst = 1;
     for (const uint32_t* q = begin(v); q != end(v); ++q) {
-        const double corner = worst_corner_from_outside(mesh, position, quads, *q);
+        const double corner = worst_corner_from_outside(surface, quads, *q);
         if (corner < worst) worst = corner;
     }
     return worst;

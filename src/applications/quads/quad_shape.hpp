@@ -5,6 +5,8 @@
 
 namespace hmf {
 
+class SurfaceSearch; // surface_search.hpp
+
 struct Point {
     double x = 0, y = 0, z = 0;
 };
@@ -24,14 +26,10 @@ inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.position
 // Normal of the triangle left of a half-edge, of length 1; 0 without area.
 Point normal_at(const Mesh& mesh, const double* position, uint32_t h);
 
-// The sum of those where the corners of a quad lie.
-Point outwards_at(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner);
-
 // The least sine of its corners, as seen along its normal (of the diagonals).
 double worst_corner(const QuadMesh& quads, size_t q);
-// As seen along the normal of the surface, where its own looks inwards: at most 0 there.  as_it_lies: worst_corner.
-double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q,
-                                 double* as_it_lies = nullptr);
+// Likewise, but at most 0 where it is seen from behind: the surface near its middle looks the other way.
+double worst_corner_from_outside(const SurfaceSearch& surface, const QuadMesh& quads, size_t q);
 
 // The quads around each vertex.
 class QuadStars {
@@ -44,7 +42,7 @@ public:
     bool is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const;
 
     // The least of the quads around v, from outside.
-    double worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const;
+    double worst_corner(const SurfaceSearch& surface, const QuadMesh& quads, uint32_t v) const;
 
 private:
     Array<uint32_t> first_, quads_;

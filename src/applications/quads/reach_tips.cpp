@@ -31,8 +31,10 @@ struct FarVertex {
 
 class TipReach {
 public:
-    TipReach(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads, Call& call) :
-        mesh_(mesh), position_(position), front_(front), quads_(quads), call_(call) {}
+    TipReach(const Mesh& mesh, const double* position, const SurfaceSearch& surface, const Reflection* front,
+             QuadMesh& quads, Call& call) :
+        mesh_(mesh),
+        position_(position), surface_(surface), front_(front), quads_(quads), call_(call) {}
 
     hmf_status run(size_t& moved) {
         moved = 0;
@@ -121,7 +123,7 @@ private:
         const uint32_t side = quads_.sides[v];
         const double most = LONGEST * longest_side(v);
         quads_.put(v, position_ + size_t{3} * x, side_at(x));
-        const double worst = longest_side(v) > most ? 0 : stars_.worst_corner(mesh_, position_, quads_, v);
+        const double worst = longest_side(v) > most ? 0 : stars_.worst_corner(surface_, quads_, v);
         quads_.put(v, back, side);
         return worst;
     }
@@ -147,6 +149,7 @@ private:
 
     const Mesh& mesh_;
     const double* position_;
+    const SurfaceSearch& surface_;
     const Reflection* front_;
     QuadMesh& quads_;
     Call& call_;
@@ -158,9 +161,9 @@ private:
 
 } // namespace
 
-hmf_status reach_tips(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads, size_t& moved,
-                      Call& call) {
-    return TipReach(mesh, position, front, quads, call).run(moved);
+hmf_status reach_tips(const Mesh& mesh, const double* position, const SurfaceSearch& surface, const Reflection* front,
+                      QuadMesh& quads, size_t& moved, Call& call) {
+    return TipReach(mesh, position, surface, front, quads, call).run(moved);
 }
 
 } // namespace hmf

@@ -115,8 +115,10 @@ double length_of_edge(const Mesh& mesh, const double* position, uint32_t h) {
 
 class Snap {
 public:
-    Snap(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads, Call& call) :
-        mesh_(mesh), position_(position), front_(front), quads_(quads), call_(call) {}
+    Snap(const Mesh& mesh, const double* position, const SurfaceSearch& surface, const Reflection* front,
+         QuadMesh& quads, Call& call) :
+        mesh_(mesh),
+        position_(position), surface_(surface), front_(front), quads_(quads), call_(call) {}
 
     hmf_status run(size_t& snapped) {
         snapped = 0;
@@ -266,7 +268,7 @@ private:
         const Point from = at(quads_, v);
         const uint32_t side = quads_.sides[v];
         quads_.put(v, s.at, s.half_edge);
-        if (stars_.worst_corner(mesh_, position_, quads_, v) > SNAP_LEAST_CORNER) return true;
+        if (stars_.worst_corner(surface_, quads_, v) > SNAP_LEAST_CORNER) return true;
         const double back[3] = {from.x, from.y, from.z};
         quads_.put(v, back, side);
         return false;
@@ -285,6 +287,7 @@ private:
 
     const Mesh& mesh_;
     const double* position_;
+    const SurfaceSearch& surface_;
     const Reflection* front_;
     QuadMesh& quads_;
     Call& call_;
@@ -299,9 +302,9 @@ private:
 
 } // namespace
 
-hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads,
-                               size_t& snapped, Call& call) {
-    return Snap(mesh, position, front, quads, call).run(snapped);
+hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const SurfaceSearch& surface,
+                               const Reflection* front, QuadMesh& quads, size_t& snapped, Call& call) {
+    return Snap(mesh, position, surface, front, quads, call).run(snapped);
 }
 
 } // namespace hmf
