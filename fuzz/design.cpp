@@ -112,7 +112,7 @@ private:
         hmf_error error{};
         const hmf_status status = hmf_quads(foliation_.get(), &options, nullptr, &raw, &error);
         const Owned<hmf_quad_mesh> quads(raw);
-        expect_told(status, error, {HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS});
+        expect_told(status, error, {HMF_ERROR_QUADS, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS});
         if (!quads) return;
         for (size_t i = 0; i < 3 * quads->vertex_count; ++i) FUZZ_ASSERT(std::isfinite(quads->positions[i]));
         std::vector<std::pair<uint32_t, uint32_t>> sides;

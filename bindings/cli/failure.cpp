@@ -18,7 +18,7 @@ static const char* element_name(int32_t element) {
 static ExitStatus exit_status_of(hmf_status status) {
     if (status >= HMF_LIMIT_ITERATIONS && status <= HMF_LIMIT_CLASS) return EXIT_LIMIT;
     if (status >= 300 && status < 600) return EXIT_BAD_INPUT;
-    if (status == HMF_ERROR_UNSUPPORTED) return EXIT_BAD_INPUT;
+    if (status == HMF_ERROR_UNSUPPORTED || status == HMF_ERROR_QUADS) return EXIT_BAD_INPUT;
     if (status == HMF_ERROR_OPTIONS) return EXIT_USAGE;
     return EXIT_RESOURCES;
 }

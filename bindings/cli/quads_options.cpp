@@ -26,8 +26,8 @@ Options quads_options(SolveRequest& r) {
         marks_option(r),
         mollify_option(r),
         Option{"--refine", &r.refine, "N",
-               "flip edges inside flat parts to be Delaunay, and cut a mesh of fewer triangles at its longest edges\n"
-               "into N; the surface stays as it is; 0: neither; not with --loops FILE"}
+               "cut a mesh of fewer triangles at its longest edges into N; the surface stays as it is; 0: do not cut;\n"
+               "not with --loops FILE"}
             .in("[0, 1000000]"),
         threads_option(r),
         Option{"--image", &r.image, "FILE.png", "picture of the quads, with irregular vertices and loops"}.writes(

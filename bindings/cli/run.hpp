@@ -27,6 +27,8 @@ class Run {
 public:
     Run(SolveRequest& request, const Options& options);
     Outcome go();
+    // After a run with even loops: why quads of cut loops are better, or empty.
+    std::string why_cut_loops() const;
 
 private:
     // Input.
@@ -181,7 +183,8 @@ private:
     size_t leaves_ = 0, quads_ = 0;                               // written
     size_t irregular_ = 0, inverted_ = 0;                         // vertices, quads
     double quad_area_ = 0, covered_area_ = 0, quad_distance_ = 0; // of the quads, of their surface; the greatest
-    size_t fewest_ = 0; // quads where as few as possible are wished; 0: no more than are wished
+    size_t fewest_ = 0;        // quads where as few as possible are wished; 0: no more than are wished
+    bool has_doubled_ = false; // as few quads as are wished were refused
 };
 
 } // namespace cli

@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "../readers/components.hpp"
-#include "../readers/flat_delaunay.hpp"
 #include "../readers/refine.hpp"
 #include "counted.hpp"
 #include "draw_loops.hpp"
@@ -53,15 +52,10 @@ void Run::refine() {
     const bool of_file = kind_ == 0 && r_.through.empty();
     if (r_.refine == 0 || of_file) return;
     const size_t before = mesh_.triangle_count();
-    size_t flips = readers::make_flat_parts_delaunay(mesh_);
     readers::refine(mesh_, r_.refine);
-    if (mesh_.triangle_count() > before) flips += readers::make_flat_parts_delaunay(mesh_);
-    if (flips > 0)
-        std::fprintf(stderr, "%s: %s of flat parts flipped\n", name_.c_str(), counted(flips, "edge").c_str());
-    if (mesh_.triangle_count() > before)
-        std::fprintf(stderr, "%s: cut into %zu triangles\n", name_.c_str(), mesh_.triangle_count());
-    if ((flips > 0 || mesh_.triangle_count() > before) && r_.save_mesh.empty()
-        && !(r_.save_loops.empty() && r_.save_marks.empty()))
+    if (mesh_.triangle_count() == before) return;
+    std::fprintf(stderr, "%s: cut into %zu triangles\n", name_.c_str(), mesh_.triangle_count());
+    if (r_.save_mesh.empty() && !(r_.save_loops.empty() && r_.save_marks.empty()))
         std::fprintf(stderr, "%s: loops and marks refer to these triangles, --save-mesh FILE.obj writes them\n",
                      name_.c_str());
 }

@@ -14,6 +14,7 @@ namespace cli {
 namespace {
 
 constexpr double FAR_ABOVE = 1.15; // the wished number
+constexpr double DOUBLED = 1.5;    // likewise: what is between is rounding
 
 // Of the largest coordinate: with it taken away squares of areas neither overflow nor vanish.
 int exponent_of(const std::vector<double>& positions) {
@@ -101,6 +102,13 @@ void Run::make_quad_meshes() {
     if (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count)) count_fewest();
 }
 
+std::string Run::why_cut_loops() const {
+    if (kind_ != LOOPS_EVEN || !is_alone() || was_interrupted()) return {};
+    if (quad_meshes_.empty() && !r_.quads.empty()) return name_ + ": even loops carry no good quads of this size";
+    if (!(components_[0].unevenness() > components_[0].design()->unevenness_before)) return {};
+    return name_ + ": quads of even loops would be less even";
+}
+
 // Each critical leaf and each cylinder needs its columns and rows.
 void Run::count_fewest() {
     size_t fewest = 0;
@@ -111,6 +119,7 @@ void Run::count_fewest() {
         fewest += make_quads(c.foliation(), wish, control_, c.subject())->quad_count;
     });
     if (fewest > r_.count) fewest_ = std::min(fewest, quads_);
+    else has_doubled_ = static_cast<double>(quads_) > DOUBLED * static_cast<double>(r_.count);
 }
 
 void Run::write_leaf_lines() {

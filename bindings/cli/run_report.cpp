@@ -86,6 +86,8 @@ void Run::report() {
     if (fewest_ > 0)
         outcome_.summary += "; " + std::to_string(r_.count)
                           + " were wished, and these loops and marked vertices need about " + std::to_string(fewest_);
+    if (has_doubled_)
+        outcome_.summary += "; " + std::to_string(r_.count) + " were wished, of which too many would be folded over";
     if (atlas_.charts > 0) {
         std::snprintf(line, sizeof line, ": %zu charts, %.0f %% of the square used", atlas_.charts, 100 * atlas_.used);
         outcome_.summary += "\n" + r_.atlas + line;

@@ -50,7 +50,18 @@ Outcome quads(const std::vector<std::string>& words) {
     parse(options, words, "quads");
     choose_source(options, request);
     if (request.no_poles) request.marks = "none";
-    return Run(request, options).go();
+    const SolveRequest wished = request;
+    Run run(request, options);
+    Outcome outcome = run.go();
+    const std::string reason = run.why_cut_loops();
+    if (reason.empty()) return outcome;
+    request = wished;
+    request.loops = "cut";
+    try {
+        Outcome other = Run(request, options).go();
+        other.notes.push_back(reason + "; these are of --loops cut");
+        return other;
+    } catch (const Failure&) { return outcome; }
 }
 
 } // namespace cli

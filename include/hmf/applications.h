@@ -579,10 +579,13 @@ typedef struct hmf_quad_mesh {
  * vertices of it: a rectangle becomes a grid.  Closed otherwise.  Triangles at the boundary that no leaf crosses
  * (all of their corners on it, as a rule) may be left out.
  *
- * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
- * crosses, or if no numbers of columns match on all cylinders, for edges so long or
- * on a mesh so coarse, or if of 100 relaxed quads and more one in 20 stays inverted,
- * or they have less than 3/4 or more than 4/3 of the area of the surface;
+ * Relaxed quads are refused if there are 100 or more and one in 20 stays inverted, or if they
+ * have less than 3/4 or more than 4/3 of the area of the surface.  Then twice as many quads are
+ * tried instead, up to eight times as many as wished.
+ *
+ * HMF_ERROR_QUADS if all of these are refused, if a zero goes round a part of the surface that
+ * no leaf crosses, or if no numbers of columns match on all cylinders, for edges so long or
+ * on a mesh so coarse; HMF_ERROR_UNSUPPORTED on coarser levels of a surface with boundary;
  * HMF_ERROR_OPTIONS if there would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,

@@ -30,7 +30,7 @@
  *             is written to any output, but for a pointer to an object, which
  *             becomes NULL, and where a function says otherwise.  Each
  *             function names the classes that it can return, 100 for
- *             HMF_ERROR_NULL to HMF_ERROR_UNSUPPORTED and so on; any of them
+ *             HMF_ERROR_NULL to HMF_ERROR_QUADS and so on; any of them
  *             can return HMF_ERROR_INTERNAL, a defect of the library.
  *   pointers  Options, control, error and arguments documented as optional may be
  *             NULL; any other NULL is refused with HMF_ERROR_NULL.  Arrays and
@@ -127,6 +127,7 @@ typedef enum hmf_status_code {
     HMF_ERROR_COUNT = 102,       /* an array has the wrong number of elements */
     HMF_ERROR_LEVEL = 103,       /* no such level */
     HMF_ERROR_UNSUPPORTED = 104, /* not available in this version, or for this input */
+    HMF_ERROR_QUADS = 105,       /* these leaves carry no good quads of this size */
 
     /* resources */
     HMF_ERROR_MEMORY = 200,      /* the allocator returned NULL */

@@ -82,7 +82,7 @@ void check_quads(const TriMesh& mesh, const Solution& s, bool merge, Tally& tall
         const hmf_quad_options options = quad_options(2000, merge, relax);
         const hmf_status status = hmf_quads(s.foliation.get(), &options, nullptr, &raw, &error);
         quads.reset(raw);
-        if (status == HMF_ERROR_UNSUPPORTED) {
+        if (status == HMF_ERROR_QUADS || status == HMF_ERROR_UNSUPPORTED) {
             ++tally.quads_refused;
             std::printf("%s\n", error.message);
             return;

@@ -138,7 +138,7 @@ TEST(Quads, SoundOnRandomMarkedSurfaces) {
                         hmf_quads(surface.solution.foliation.get(), &options, nullptr, &out, &error);
                     const Made mesh_of_quads(out);
                     // Random marks may have one image, which no leaf tells apart; and nine quads of a torus are folded.
-                    if (status == HMF_ERROR_UNSUPPORTED && (n > 0 || count == 1)) continue;
+                    if (status == HMF_ERROR_QUADS && (n > 0 || count == 1)) continue;
                     ASSERT_EQ(status, HMF_OK) << error.message;
                     const std::vector<int> valence = expect_sound(*mesh_of_quads, genus);
                     EXPECT_EQ(std::count(valence.begin(), valence.end(), 2), 0);

@@ -310,15 +310,15 @@ TEST(SurfaceSearch, FindsWhatAllTrianglesShow) {
             if (face[h] == hmf::NONE) continue;
             double there[3];
             int on = 0;
-            const double distance =
-                std::sqrt(hmf::nearest_in_triangle(at, position + 3 * mesh.origin[h], position + 3 * mesh.target(h),
-                                                   position + 3 * mesh.origin[mesh.prev(h)], there, on));
-            nearest = std::min(nearest, distance);
-            if (dot(hmf::normal_at(mesh, position, h), n) > 0) agrees = std::min(agrees, distance);
+            const double square =
+                hmf::nearest_in_triangle(at, position + 3 * mesh.origin[h], position + 3 * mesh.target(h),
+                                         position + 3 * mesh.origin[mesh.prev(h)], there, on);
+            nearest = std::min(nearest, square);
+            if (dot(hmf::normal_at(mesh, position, h), n) > 0) agrees = std::min(agrees, square);
         }
-        if (std::fabs(agrees - nearest - room) < 1e-9) continue;
-        EXPECT_EQ(surface.is_behind(p, n, room), agrees > nearest + room) << k;
-        behind += agrees > nearest + room;
+        if (std::fabs(agrees - nearest - room * room) < 1e-9) continue;
+        EXPECT_EQ(surface.is_behind(p, n, room), agrees > nearest + room * room) << k;
+        behind += agrees > nearest + room * room;
     }
     EXPECT_GT(behind, 300u);
     EXPECT_LT(behind, 1700u);

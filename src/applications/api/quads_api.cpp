@@ -46,7 +46,7 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     Leaves leaves;
     Reflection reflection;
     FrontParts front;
-    if (leaves.load(*foliation, call, &reflection)) return call.status();
+    if (leaves.load(*foliation, call, &reflection, true)) return call.status();
     Foliation& f = leaves.state.foliation;
     if (h.is_double() && front.build(f, reflection, leaves.cylinders, call)) return call.status();
     SizedQuads wish;

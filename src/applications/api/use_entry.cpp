@@ -1,11 +1,19 @@
 #include "use_entry.hpp"
 
+#include "../quads/flat_flips.hpp"
+
 namespace hmf {
 
-hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflection) {
+hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflection, bool flips) {
     if (load_values(f, f.level, state, call)) return call.status();
-    if (reflection && f.level == 0 && f.hierarchy->is_double()) {
-        if (read_reflection(*f.hierarchy, *reflection, call)) return call.status();
+    const bool is_double = reflection && f.level == 0 && f.hierarchy->is_double();
+    if (is_double && read_reflection(*f.hierarchy, *reflection, call)) return call.status();
+    if (flips && f.level == 0) {
+        if (!state.own(call)) return call.stopped();
+        if (flip_flat_parts(state.foliation, f.hierarchy->levels[0].position, is_double ? reflection : nullptr, call))
+            return call.status();
+    }
+    if (is_double) {
         const Foliation& at = state.foliation;
         cylinders.graph.on_boundary = reflection->is_boundary.data();
         cylinders.graph.mirror = reflection->half_edge.data();

@@ -28,13 +28,13 @@ hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
     for (uint32_t z = 0; z < graph.zeros.size(); ++z)
         if (graph.zeros[z].euler != 1)
             return call.fail(
-                HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, z,
+                HMF_ERROR_QUADS, HMF_ELEMENT_NONE, z,
                 "Zero %u goes around a part of the surface that no leaf crosses, with a handle, boundaries or "
                 "marked vertices. Give loops that cross it.",
                 static_cast<unsigned>(z));
     for (const Boundary& b : graph.boundaries)
         if (b.arcs_begin == b.arcs_end && !graph.zeros.empty())
-            return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+            return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_NONE, 0,
                              "A leaf goes around several marked vertices at one place, which no leaf tells apart. "
                              "Give loops between them.");
     return HMF_OK;

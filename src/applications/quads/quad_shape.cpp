@@ -17,7 +17,7 @@ Point normal_at(const Mesh& mesh, const double* position, uint32_t h) {
 
 namespace {
 
-// In diagonals of a quad: where the surface has two sides nearer to each other than this, it may lie on either.
+// In diagonals of a quad: on a sheet thinner than this it may lie on either side.
 constexpr double LEEWAY = 0.02;
 
 // Where a side, or a diagonal, is this part of the longest side, its ends are at the same place for all who see the

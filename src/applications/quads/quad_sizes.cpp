@@ -353,7 +353,7 @@ hmf_status QuadSizes::of_step(double step, Call& call) {
     bool matched = false;
     if (round_all(step, matched, call)) return call.status();
     if (!matched)
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
+        return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_OPTION, 0,
                          "No numbers of columns match on all cylinders. Choose a smaller edge_length; if that does not "
                          "help, the mesh is too coarse for the foliation, so subdivide it.");
     return HMF_OK;
@@ -414,7 +414,7 @@ hmf_status QuadSizes::of_count(double step, int64_t count, Call& call) {
         step = next;
     }
     if (!any)
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
+        return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_OPTION, 0,
                          "The cylinders cannot be matched with so few quads. Choose a larger count.");
     bool matched = false;
     if (round_all(best_step, matched, call)) return call.status(); // once more the best

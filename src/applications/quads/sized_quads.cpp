@@ -15,6 +15,7 @@ constexpr int MOST_HALVINGS = 12;         // of the edges
 constexpr double MOST_INVERTED = 0.05;    // of the quads
 constexpr size_t FEW = 100;               // quads, which are larger than what they should follow as a rule
 constexpr double LEAST_AREA = 0.75;       // of the quads in that of the surface, or the other way around
+constexpr int MOST_DOUBLINGS = 3;         // of the number of quads, where they are refused
 
 // How many quads the wish makes of that area.
 hmf_status wished_number(const SizedQuads& wish, double area, double by_default, double& number, Call& call) {
@@ -45,20 +46,47 @@ hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& c
                      out, inverted, call);
 }
 
-// Where quads are larger than what they should follow, or the leaves do not reach a part of the surface.
-hmf_status refuse_unfit(const QuadFigures& figures, double area, size_t count, Call& call) {
-    if (count < FEW) return HMF_OK;
-    if (static_cast<double>(figures.inverted) > MOST_INVERTED * static_cast<double>(count))
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "%llu of %llu quads are folded over on the surface. Ask for more, smaller quads, or give "
-                         "other loops.",
-                         static_cast<unsigned long long>(figures.inverted), static_cast<unsigned long long>(count));
+// Quads that are larger than what they should follow, or do not reach a part of the surface, are refused.
+bool is_fit(const QuadFigures& figures, double area, size_t count) {
     const double ratio = figures.area / area;
-    if (ratio > LEAST_AREA && ratio * LEAST_AREA < 1) return HMF_OK;
-    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                     "The quads have %.2f times the area of the surface. Ask for more, smaller quads, or give other "
-                     "loops.",
-                     ratio);
+    return count < FEW
+        || (static_cast<double>(figures.inverted) <= MOST_INVERTED * static_cast<double>(count) && ratio > LEAST_AREA
+            && ratio * LEAST_AREA < 1);
+}
+
+hmf_status refuse(const QuadFigures& figures, double area, size_t count, Call& call) {
+    return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_NONE, 0,
+                     "%llu of %llu quads are folded over on the surface, and they have %.2f times its area. Ask for "
+                     "more, smaller quads, or give other loops.",
+                     static_cast<unsigned long long>(figures.inverted), static_cast<unsigned long long>(count),
+                     figures.area / area);
+}
+
+// Quads smaller than the triangles would show how these bend the leaves: they are made of larger ones.  Quads that are
+// inverted stay so when they are cut: then there are more and smaller ones to begin with.
+hmf_status make_number(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
+                       const FlatMetric& metric, const FrontSurface* front, double by_default, double number,
+                       QuadMesh& out, Call& call) {
+    int halvings = 0;
+    const bool refines = wish.relax > 0 && !wish.front;
+    double fewer = number;
+    for (; refines && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < MOST_HALVINGS; ++halvings)
+        fewer /= 4;
+    uint64_t inverted = 0;
+    if (make_and_fit(f, position, cylinders, wish, metric, front, fewer, halvings, out, inverted, call))
+        return call.status();
+    for (; halvings > 0 && inverted > 0; fewer *= 4) {
+        QuadMesh other;
+        uint64_t left = 0;
+        --halvings;
+        other.start(call.memory);
+        if (make_and_fit(f, position, cylinders, wish, metric, front, 4 * fewer, halvings, other, left, call))
+            return call.status();
+        if (left >= inverted) continue;
+        inverted = left;
+        std::swap(out, other);
+    }
+    return HMF_OK;
 }
 
 } // namespace
@@ -74,30 +102,16 @@ hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinder
     const double by_default = 0.5 * wish.share * static_cast<double>(f.mesh.face_count);
     double number = 0;
     if (wished_number(wish, area, by_default, number, call)) return call.status();
-    // Quads smaller than the triangles would show how these bend the leaves: they are made of larger ones.
-    int halvings = 0;
-    const bool refines = wish.relax > 0 && !wish.front;
-    double fewer = number;
-    for (; refines && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < MOST_HALVINGS; ++halvings)
-        fewer /= 4;
-    // Quads that are inverted stay so when they are cut: then there are more and smaller ones to begin with.
-    uint64_t inverted = 0;
-    if (make_and_fit(f, position, cylinders, wish, metric, front, fewer, halvings, out, inverted, call))
-        return call.status();
-    for (; halvings > 0 && inverted > 0; fewer *= 4) {
-        QuadMesh other;
-        uint64_t left = 0;
-        --halvings;
-        other.start(call.memory);
-        if (make_and_fit(f, position, cylinders, wish, metric, front, 4 * fewer, halvings, other, left, call))
+    const Mesh& mesh = front ? surface.mesh() : f.mesh;
+    const Reflection* const reflection = front ? wish.reflection : nullptr;
+    for (int doublings = 0;; ++doublings, number *= 2) {
+        if (make_number(f, position, cylinders, wish, metric, front, by_default, number, out, call)
+            || quad_figures(mesh, position, reflection, out, figures, call))
             return call.status();
-        if (left >= inverted) continue;
-        inverted = left;
-        std::swap(out, other);
+        if (!(wish.relax > 0) || is_fit(figures, area, out.quad_count())) return HMF_OK;
+        if (doublings == MOST_DOUBLINGS || 2 * number > static_cast<double>(MOST_QUADS))
+            return refuse(figures, area, out.quad_count(), call);
     }
-    if (quad_figures(front ? surface.mesh() : f.mesh, position, front ? wish.reflection : nullptr, out, figures, call))
-        return call.status();
-    return wish.relax > 0 ? refuse_unfit(figures, area, out.quad_count(), call) : HMF_OK;
 }
 
 } // namespace hmf

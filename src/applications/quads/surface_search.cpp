@@ -59,7 +59,7 @@ bool SurfaceSearch::is_behind(const Point& p, const Point& n, double room) const
         double square;
     } waiting[DEEPEST];
     const double at[3] = {p.x, p.y, p.z};
-    double nearest_of_all = HUGE_VAL, limit = HUGE_VAL, agrees = HUGE_VAL; // squares
+    double limit = HUGE_VAL, agrees = HUGE_VAL; // squares
     size_t count = 0;
     waiting[count++] = {1, 0};
     while (count > 0) {
@@ -81,11 +81,7 @@ bool SurfaceSearch::is_behind(const Point& p, const Point& n, double room) const
             const double square = nearest_in_triangle(at, position_ + size_t{3} * mesh_.origin[h],
                                                       position_ + size_t{3} * mesh_.target(h),
                                                       position_ + size_t{3} * mesh_.origin[mesh_.prev(h)], nearest, on);
-            if (square < nearest_of_all) {
-                nearest_of_all = square;
-                const double far = std::sqrt(square) + room;
-                limit = far * far;
-            }
+            limit = std::min(limit, square + room * room);
             if (square < agrees && dot(normal_at(mesh_, position_, h), n) > 0) agrees = square;
         }
     }

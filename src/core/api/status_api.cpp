@@ -18,6 +18,7 @@ const char* hmf_status_string(hmf_status status) {
     case HMF_ERROR_COUNT: return "an array has the wrong size";
     case HMF_ERROR_LEVEL: return "no such level";
     case HMF_ERROR_UNSUPPORTED: return "not available in this version";
+    case HMF_ERROR_QUADS: return "these leaves carry no good quads of this size";
     case HMF_ERROR_MEMORY: return "out of memory";
     case HMF_ERROR_MEMORY_LIMIT: return "the memory limit was reached";
     case HMF_ERROR_MESH_COUNTS: return "unusable number of vertices or triangles";

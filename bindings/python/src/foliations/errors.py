@@ -35,6 +35,7 @@ class Status(IntEnum):
     ERROR_COUNT = 102
     ERROR_LEVEL = 103
     ERROR_UNSUPPORTED = 104
+    ERROR_QUADS = 105
     ERROR_MEMORY = 200
     ERROR_MEMORY_LIMIT = 201
     ERROR_MESH_COUNTS = 300
@@ -241,6 +242,7 @@ _CLASSES: dict[int, type[Error]] = {
     Status.CANCELLED: Cancelled,
     Status.ERROR_LEVEL: LevelError,
     Status.ERROR_UNSUPPORTED: UnsupportedError,
+    Status.ERROR_QUADS: UnsupportedError,
     Status.ERROR_NULL: InternalError,
     Status.ERROR_COUNT: InternalError,
 }

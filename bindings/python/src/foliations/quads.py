@@ -90,7 +90,8 @@ def quads(
     Raises
     ------
     UnsupportedError
-        A zero surrounds a part of the surface that no leaf crosses, or the edges are so long that no grids match.
+        A zero surrounds a part of the surface that no leaf crosses, no grids match for edges so long, or too many
+        relaxed quads would be folded.
     FoliationError
         The values cannot be used.
     """

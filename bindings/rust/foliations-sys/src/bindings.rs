@@ -16,6 +16,7 @@ pub const HMF_ERROR_OPTIONS: i32 = 101;
 pub const HMF_ERROR_COUNT: i32 = 102;
 pub const HMF_ERROR_LEVEL: i32 = 103;
 pub const HMF_ERROR_UNSUPPORTED: i32 = 104;
+pub const HMF_ERROR_QUADS: i32 = 105;
 pub const HMF_ERROR_MEMORY: i32 = 200;
 pub const HMF_ERROR_MEMORY_LIMIT: i32 = 201;
 pub const HMF_ERROR_MESH_COUNTS: i32 = 300;

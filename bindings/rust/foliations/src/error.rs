@@ -54,6 +54,8 @@ statuses! {
     ERROR_LEVEL = HMF_ERROR_LEVEL;
     /// Not available in this version.
     ERROR_UNSUPPORTED = HMF_ERROR_UNSUPPORTED;
+    /// These leaves carry no good quads of this size.
+    ERROR_QUADS = HMF_ERROR_QUADS;
     /// The global allocator has no memory left.
     ERROR_MEMORY = HMF_ERROR_MEMORY;
     /// The memory limit of the options was reached.

@@ -86,7 +86,7 @@ impl Foliation {
     ///
     /// # Errors
     ///
-    /// [`Status::ERROR_UNSUPPORTED`] if a zero goes around a part of the surface that no
+    /// [`Status::ERROR_QUADS`] if a zero goes around a part of the surface that no
     /// leaf crosses, or if no numbers of columns match on all cylinders, for edges so
     /// long or on a mesh so coarse; [`Status::CANCELLED`];
     /// classes 100, 200, 500.
