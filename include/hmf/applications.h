@@ -544,49 +544,48 @@ typedef struct hmf_quad_mesh {
 } hmf_quad_mesh;
 
 /*
- * A quad mesh along the leaves: a grid on each cylinder, glued along the
- * critical leaves.
+ * Makes a quad mesh along the leaves: a grid on each cylinder, glued along the critical
+ * leaves.
  *
- * The first vertices are the zeros, in the order of hmf_singularities; a zero of
- * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
- * discretization keeps apart can become one, with the sum of their orders.  A
- * marked vertex with one prong is left out: one quad lies over it, and the two
- * vertices beside it have 3 edges; where a leaf of two columns joins two of them,
- * one quad with four such vertices closes the end.
- * Oriented and manifold by construction, genus as before; no two edges
- * have the same ends.
- * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
- * equally long in the metric du^2 + dv^2: longer in space where the foliation is
- * thin.  Numbers are rounded so that the grids match, with at least 3 quads
- * across a cylinder and 2 along a critical leaf; fewer with `merge`.
+ *   options     NULL = defaults
+ *   out         free with hmf_free
  *
- * With a count the edge length is searched for, then rows are added or taken
- * away; the number of quads is as near as the grids allow, and at least what each
- * cylinder needs.  relax evens out angles and sides, in at most so many sweeps at a
- * time (about 40 do): the sides lie on leaves no longer, but vertices stay on the
- * surface; where a row or column runs along edges sharper than 40 degrees, its
- * vertices move onto them and slide along them from then on, the vertex nearest to a
- * corner of such edges goes there, and where the surface sticks out of the quads by
- * half a side or more, a vertex reaches for its tip.  No step turns a corner over that
- * is not.  Where quads are inverted all the same, the best of several results is
- * returned, unrelaxed as the last resort; inverted_count counts what is left.
+ * The mesh is oriented and manifold, with the genus and the boundaries of the surface; no two
+ * edges have the same ends.  The sides a-d and b-c of quad (a, b, c, d) lie on leaves.  Edges have
+ * nearly the same length in the metric du^2 + dv^2, so they are longer in space where the
+ * foliation is small.  There are at least 3 quads across a cylinder and 2 along a critical
+ * leaf; fewer with `merge`.
  *
- * With boundary (level 0): the boundary of the quads lies on that of the surface,
- * row by row where leaves run along it, and where they meet it column by column.
- * With relax a vertex goes to each corner of the boundary of more than 45 degrees, one
- * with a single quad if it is near, and the others slide along the boundary.  A marked
- * vertex of the boundary with one prong is a corner, and zeros of the boundary are
- * vertices of it: a rectangle becomes a grid.  Closed otherwise.  Triangles at the boundary that no leaf crosses
- * (all of their corners on it, as a rule) may be left out.
+ * The first vertices are the zeros, in the order of hmf_singularities.  A zero of order m has
+ * 2 m + 4 edges; every other vertex has 4.  Zeros that only discretization keeps apart may be
+ * merged; their orders add up.  One quad covers a marked vertex with one prong, between two
+ * vertices with 3 edges; if a leaf of two columns joins two such vertices, one quad with
+ * four vertices of 3 edges closes the end.
  *
- * Relaxed quads are refused if there are 100 or more and one in 20 stays inverted, or if they
- * have less than 3/4 or more than 4/3 of the area of the surface.  Then twice as many quads are
- * tried instead, up to eight times as many as wished.
+ * With `count` the number of quads is met as nearly as the grids allow, and is at least what
+ * the cylinders need.  With `relax` vertices leave the leaves and move on the surface to improve
+ * angles and sides.  They also move to edges sharper than 40 degrees, to corners of such edges,
+ * and to the tips of protrusions larger than half an edge.  No step inverts a corner.  If quads
+ * remain inverted, the best of several attempts is returned, if necessary the unrelaxed
+ * one; inverted_count counts them.
  *
- * HMF_ERROR_QUADS if all of these are refused, if a zero goes round a part of the surface that
- * no leaf crosses, or if no numbers of columns match on all cylinders, for edges so long or
- * on a mesh so coarse; HMF_ERROR_UNSUPPORTED on coarser levels of a surface with boundary;
- * HMF_ERROR_OPTIONS if there would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
+ * With boundary (level 0) boundary vertices lie on the boundary of the surface: rows end there
+ * where leaves run along it, columns where leaves meet it.  Zeros of the boundary are vertices,
+ * and a marked vertex with one prong is a corner, so a rectangle becomes a grid.  With `relax`
+ * each corner of the boundary of more than 45 degrees gets a vertex, and the other vertices
+ * slide along the boundary.  Triangles at the boundary that no leaf crosses may be left out.
+ *
+ * Relaxed quads are refused if there are at least 100 and one in 20 is inverted, or if they
+ * have less than 3/4 or more than 4/3 of the area of the surface.  Then twice as many quads
+ * are tried, up to eight times as many as requested.
+ *
+ * Returns HMF_OK, HMF_CANCELLED, or
+ *   HMF_ERROR_QUADS        all of these are refused; a zero surrounds a part of the surface that
+ *                          no leaf crosses; or no numbers of columns match on all cylinders,
+ *                          because edges are too long or the mesh is too coarse
+ *   HMF_ERROR_UNSUPPORTED  a coarser level of a surface with boundary
+ *   HMF_ERROR_OPTIONS      also if there would be more than 2^28 quads
+ *   an error of classes 100, 200, 500
  */
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,
                              const hmf_control *control, hmf_quad_mesh **out, hmf_error *error);

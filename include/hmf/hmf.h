@@ -24,13 +24,13 @@
  *
  * Rules for every function
  *
- *   errors    Fallible functions return hmf_status, 0 is success.  The last
- *             argument is an optional hmf_error that the caller owns; it gets
- *             the element and a sentence with the remedy.  On failure nothing
- *             is written to any output, but for a pointer to an object, which
- *             becomes NULL, and where a function says otherwise.  Each
- *             function names the classes that it can return, 100 for
- *             HMF_ERROR_NULL to HMF_ERROR_QUADS and so on; any of them
+ *   errors    A function that can fail returns hmf_status; 0 is success.  Its last
+ *             argument is an optional hmf_error of the caller, which receives
+ *             the element concerned and a sentence with the remedy.  On failure
+ *             outputs are left unchanged, except that object pointers are set to
+ *             NULL; other exceptions are documented.  Each function lists the
+ *             classes of errors that it can return: class 100 stands for
+ *             HMF_ERROR_NULL to HMF_ERROR_QUADS, and so on.  Any function
  *             can return HMF_ERROR_INTERNAL, a defect of the library.
  *   pointers  Options, control, error and arguments documented as optional may be
  *             NULL; any other NULL is refused with HMF_ERROR_NULL.  Arrays and

@@ -107,7 +107,7 @@ Done CylinderRows::set_places(double length) {
     return true;
 }
 
-// The lower row is the row before; room for so many rows.
+// The lower row is the previous one. Reserves space for the given number of rows.
 Done CylinderRows::start_rows(uint32_t rows) {
     const size_t n = lower_.vertex.size();
     if (!before_.allocate(call_.memory, 3 * n * rows)) return false;

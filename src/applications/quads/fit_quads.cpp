@@ -18,12 +18,12 @@ namespace {
 
 constexpr int ROUNDS = 5; // of reaching for tips and snapping to sharp edges
 constexpr int SWEEPS_AFTER = 8, SWEEPS_ON_FINER = 4;
-// While one corner in so many is off 90 degrees by more than 18, what is held on sharp edges by quads with a corner of
-// a sine below these is let go, and tips where it is less by so much.
+// While one corner in this many differs from 90 degrees by more than 18, vertices held on sharp edges are released at
+// quads with a corner of a sine below these values, and vertices held at tips if the sine is lower by TIPS.
 constexpr size_t SHARE = 20;
 constexpr double ENOUGH = 0.309, FIRST = 0.4, LAST = 0.61, TIPS = 0.1;
 
-// Whether more corners than one in so many are farther off 90 degrees than is enough.
+// Whether too many corners differ from 90 degrees by too much.
 bool is_off(const QuadMesh& quads) {
     size_t off = 0;
     for (size_t i = 0; i < quads.quads.size(); ++i) {

@@ -49,7 +49,7 @@ Done GraphPoints::place() {
 }
 
 // One vertex for each zero, and one for those that an arc without columns joins.  A marked vertex that shares its
-// cluster with others may have no arc: no quad would be there.
+// cluster with others may have no arc, and then no quad.
 Done GraphPoints::place_zeros() {
     const uint32_t n = static_cast<uint32_t>(in_.graph.zeros.size());
     Array<uint8_t> has_arc;

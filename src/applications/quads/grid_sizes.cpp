@@ -22,7 +22,7 @@ int64_t GridSizes::across(const QuadInput& in, uint32_t c) const {
     return sum;
 }
 
-// Rows in front as many as are wished, at least those of the sizes.
+// As many rows in front as requested, and at least those of the sizes.
 void GridSizes::tune_rows(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish) {
     const auto part = [&](uint32_t c) {
         return in.is_annulus() && in.part_of(c) == Part::front ? Part::ring : in.part_of(c);

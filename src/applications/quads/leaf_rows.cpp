@@ -1,5 +1,5 @@
-// How many points a leaf has is known when it has been followed.  Tasks do not allocate: one
-// without room goes on counting, and is followed once more with as much as it needs.
+// The number of points of a leaf is known only after it has been followed. Tasks do not allocate: a leaf without enough
+// space is counted, and followed again with the space that it needs.
 #include "leaf_rows.hpp"
 
 #include "../lines/polyline.hpp"

@@ -110,7 +110,7 @@ Done QuadOptimizer::find_boundary() {
     return true;
 }
 
-// The areas wished: their own, evened out over neighbors, and then to the power 3/4 in that of the mean of all.
+// The target areas: the areas of the quads, smoothed over neighbors, to the power 3/4 relative to the mean of all.
 Done QuadOptimizer::set_targets() {
     const uint32_t n = quads_.vertex_count();
     const size_t count = quads_.quad_count();
@@ -160,7 +160,7 @@ Point QuadOptimizer::normal_of(const uint32_t* corner, double* bend) const {
     return length > 0 ? (1 / length) * sum : Point{};
 }
 
-// areas: of each corner around v, in the area wished.
+// areas: of each corner around v, relative to the target area.
 double QuadOptimizer::energy(uint32_t v, double* areas) const {
     double sum = 0;
     for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) {
@@ -377,7 +377,7 @@ size_t QuadOptimizer::count_folded() const {
     return count;
 }
 
-// The least area of a corner, in the area wished.
+// The least area of a corner, relative to the target area.
 double QuadOptimizer::least_area() const {
     double least = HUGE_VAL;
     for (size_t q = 0; q < quads_.quad_count(); ++q) {

@@ -18,7 +18,7 @@ public:
     // Turns folded quads over, around them, and lets go there what is held where that does not do.
     [[nodiscard]] hmf_status untangle();
 
-    // At most so many sweeps over the vertices, none of which folds a corner that is not folded.
+    // Makes at most the given number of sweeps over the vertices; no sweep folds a corner that is not folded.
     [[nodiscard]] hmf_status shape(int sweeps);
 
     // Vertices were moved from outside, or are held otherwise.

@@ -40,7 +40,7 @@ hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
     return HMF_OK;
 }
 
-// Of a double with twice the step: the sum of both halves is what is wished.
+// For a double, with twice the step: the sum of both halves has the requested size.
 hmf_status find_sizes(const QuadInput& in, const GraphPoints& points, const Array<double>& length, const QuadWish& wish,
                       QuadSizes& sizes, Call& call) {
     const double ring_length = in.graph.zeros.empty() ? points.length(0) : 0;

@@ -20,8 +20,8 @@ namespace {
 // In diagonals of a quad: on a sheet thinner than this it may lie on either side.
 constexpr double LEEWAY = 0.02;
 
-// Where a side, or a diagonal, is this part of the longest side, its ends are at the same place for all who see the
-// quad; and a corner with this sine is one of 0 or 180 degrees.
+// A side or diagonal shorter than this part of the longest side is visually degenerate, and a corner with this sine
+// counts as 0 or 180 degrees.
 constexpr double NO_SIDE = 1e-6, NO_DIAGONAL = 1e-3, NO_SINE = 1e-5;
 
 double least_sine(const Point* p, const Point& n) {

@@ -6,8 +6,8 @@
 // of all balances is even.  A balance that is off is led along a path of arcs,
 // one more quad or one less on each, to another that is off: the cheapest path
 // through the states (cylinder, change that it still needs), where a change costs
-// what it adds to the sum of (columns - wish)^2 / wish.  Where lengths do not fit
-// together at all, balances are off by millions; a path is taken many times at once then.
+// what it adds to the sum of (columns - wish)^2 / wish.  If lengths do not fit together at all, balances are off by
+// millions; a path is then used many times in one step.
 //
 // The equations can force an arc to have no length: where two zeros coincide in
 // truth, as symmetry asks, a discrete foliation has them a little apart, in some
@@ -417,14 +417,14 @@ hmf_status QuadSizes::of_count(double step, int64_t count, Call& call) {
         return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_OPTION, 0,
                          "The cylinders cannot be matched with so few quads. Choose a larger count.");
     bool matched = false;
-    if (round_all(best_step, matched, call)) return call.status(); // once more the best
+    if (round_all(best_step, matched, call)) return call.status(); // the best one again
     tune_rows(best_step, count);
     return HMF_OK;
 }
 
 // One row more or less in the cylinders where it changes shapes least, until the number fits.
 void QuadSizes::tune_rows(double step, int64_t count) {
-    const auto shape = [&](uint32_t c, int64_t n) { // how far rows are from as high as wished, as a factor
+    const auto shape = [&](uint32_t c, int64_t n) { // ratio of the height of rows to the requested height
         const double x = static_cast<double>(cylinders_->list[c].height) / (step * static_cast<double>(n));
         return x > 1 ? x : 1 / x;
     };

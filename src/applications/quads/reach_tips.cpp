@@ -5,7 +5,7 @@
 //      o-------o    ->    o  |  o      the corner of its nearest quad goes there whose
 //     /         \        /   |   \        quads stay best
 //
-// Where it would have to go too far, it goes some way along the edges there; the next time the quads have followed.
+// If the distance is too large, it moves part of it along the edges; by the next call the quads have followed.
 #include "reach_tips.hpp"
 
 #include "../../core/base/heap_sort.hpp"
@@ -94,7 +94,7 @@ private:
         return true;
     }
 
-    // A corner of the quad is where it is not worth the while.
+    // A corner of the quad is too close to be worth a move.
     bool is_near(uint32_t q, uint32_t x) const {
         for (size_t k = 0; k < 4; ++k)
             if (length(at(quads_, quads_.quads[4 * size_t{q} + k]) - point(position_, x)) < least_) return true;

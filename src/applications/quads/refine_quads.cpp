@@ -101,7 +101,7 @@ private:
         if (!add(p, quads_.sides[middle[0]])) return false;
         for (size_t k = 0; k < 4; ++k) {
             const uint32_t quad[4] = {quads_.quads[4 * q + k], middle[k], center, middle[(k + 3) % 4]};
-            // a-d and b-c lie on leaves, as before.
+            // a-d and b-c still lie on leaves.
             for (size_t c = 0; c < 4; ++c) fine_[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
         }
         return true;

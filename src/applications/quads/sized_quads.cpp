@@ -28,7 +28,7 @@ hmf_status wished_number(const SizedQuads& wish, double area, double by_default,
                      number, static_cast<double>(MOST_QUADS));
 }
 
-// That number, then each cut in four so many times.
+// The given number, then each quad is divided into four the given number of times.
 hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
                         const FlatMetric& metric, const FrontSurface* front, double number, int halvings, QuadMesh& out,
                         uint64_t& inverted, Call& call) {

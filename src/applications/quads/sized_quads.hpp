@@ -1,4 +1,4 @@
-// Quads of a wished size or number, fitted to the surface: quad_mesh, then fit_quads.
+// Quads of a requested size or number, fitted to the surface: quad_mesh, then fit_quads.
 #pragma once
 
 #include "../../core/leaves/mirror_symmetry.hpp"

@@ -36,10 +36,10 @@ double square_distance(const double* a, const double* b) {
     return sum;
 }
 
-// Of two at the same distance but for rounding the one of the smaller number.
+// Of two at the same distance up to rounding, the one with the smaller number.
 bool is_nearer(double d, uint32_t i, double best, uint32_t found) {
-    constexpr double SAME = 1e-9;
-    return found == NONE || d < (1 - SAME) * best || (i < found && d <= (1 + SAME) * best);
+    constexpr double same_distance = 1e-9;
+    return found == NONE || d < (1 - same_distance) * best || (i < found && d <= (1 + same_distance) * best);
 }
 
 // Samples by cells of a grid over the box of all.

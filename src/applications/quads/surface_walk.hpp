@@ -1,7 +1,6 @@
-// The point of a surface nearest to a point in space, searched from a triangle
-// on: across the side or round the corner on which the nearest point of the
-// triangle lies, as long as that brings it nearer.  So a point never jumps to
-// another part of the surface that happens to lie close by.
+// The point of a surface nearest to a point in space, searched from a given triangle: across the side or around the
+// corner on which the nearest point of the triangle lies, as long as the distance decreases. So a point never jumps to
+// another part of the surface nearby.
 #pragma once
 
 #include "../../core/mesh/mesh.hpp"
