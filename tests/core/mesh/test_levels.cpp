@@ -1,7 +1,9 @@
 // The hierarchy as the interface shows it: numbering, counts, weights,
 // positions, ratio, memory.
+#include "support/extreme_surfaces.hpp"
 #include "support/meter.hpp"
 #include "support/surface.hpp"
+#include "support/tubes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -244,6 +246,41 @@ TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
                                                                 sample.second.triangle_count(), &options));
         }
         EXPECT_EQ(meter.used, 0u);
+    }
+}
+
+TEST(Levels, MemoryEstimateOfExtremeSurfaces) {
+    struct Case {
+        const char* name;
+        TriMesh mesh;
+        bool all_marked = false;
+    };
+    std::vector<Case> cases = {{"walls", walled_ring(1000, Strips::fans)},
+                               {"rings", flat_ring(1024, Strips::fans)},
+                               {"wheels", wheels(4000, 8)},
+                               {"raised wheels", wheels(4000, 8, 0.1)},
+                               {"valence 100 000", wheels(100000, 1)},
+                               {"polygon", fan_polygon(2000)},
+                               {"every vertex marked", torus(60, 40, 3, 1), true},
+                               {"genus 64", plate(64)},
+                               {"thin plate", thin_plate(20, 1e-3)}};
+    Random random(5);
+    for (int i = 0; i < 20; ++i) cases.push_back({"tube", closed_tube(random_tube(random))});
+    for (const Case& at : cases) {
+        SCOPED_TRACE(at.name);
+        std::vector<uint32_t> marks;
+        for (uint32_t v = 0; at.all_marked && v < at.mesh.vertex_count(); ++v) marks.push_back(v);
+        const size_t n = at.mesh.vertex_count();
+        if (at.name == std::string("polygon")) marks = {0, uint32_t(n / 4), uint32_t(n / 2), uint32_t(3 * n / 4)};
+        const size_t times = at.name == std::string("polygon") ? 2 : 1; // its double is built
+        Meter meter;
+        hmf_hierarchy_options options = meter.options(0);
+        options.marked_vertices = marks.data();
+        options.marked_count = marks.size();
+        const Hierarchy hierarchy(at.mesh, options);
+        ASSERT_TRUE(hierarchy);
+        const uint64_t estimate = hmf_hierarchy_memory_estimate(times * n, times * at.mesh.triangle_count(), &options);
+        EXPECT_LE(meter.peak, estimate) << n << " vertices";
     }
 }
 
