@@ -450,8 +450,9 @@ typedef struct hmf_lines {
  * Conjugate leaves do not close in general.  Their level sets are lines across each
  * cylinder, round(circumference / spacing) of them; with the level sets of the foliation
  * they form a grid.  Leaves out of zeros end at another zero or at the length limit; leaves
- * through points close or end at the limit.  begin_zero, end_zero, height and, except for
- * level sets, cylinder are not set.
+ * through points close or end at the limit.  In each direction a conjugate leaf has at most
+ * 2^20 points and 64 for each edge of the mesh; there it ends as at the length limit.
+ * begin_zero, end_zero, height and, except for level sets, cylinder are not set.
  *
  * With boundary (level 0) the leaves are those of the double, cut at the boundary.  A leaf
  * can give several lines with the same source, in order along the leaf.  begin_zero,

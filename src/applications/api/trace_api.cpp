@@ -57,7 +57,7 @@ hmf_status read_trace_options(const hmf_trace_options* options, const hmf_hierar
 // f(begin, end) for pieces of n points, with a report before each: lines can be far larger than the mesh.
 template <class F>
 Done in_pieces(size_t n, double fraction, Call& call, F f) {
-    constexpr size_t piece = 65536;
+    constexpr size_t piece = 8192;
     for (size_t first = 0; first < n; first += piece) {
         const auto block = [&](size_t begin, size_t end) { f(first + begin, first + end); };
         if (!call.pass(std::min(piece, n - first), fraction, block)) return false;

@@ -177,6 +177,7 @@ Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout
                     x += layout.x[mesh.next[h]];
                     y += layout.y[mesh.next[h]];
                 }
+                if (!call.work(64 * static_cast<uint64_t>(n), 0.89, false)) return false;
                 if (!inside) continue;
                 const int64_t before = least_around(v), old_x = layout.x[corner], old_y = layout.y[corner];
                 const auto move = [&](int64_t to_x, int64_t to_y) {

@@ -26,7 +26,7 @@ private:
     bool is_at_boundary_vertex(size_t point) const;
     Sheet sheet_at(size_t point) const;
     bool changes_sides(size_t point) const;
-    void find_sheets(size_t first, size_t points, bool closed);
+    Done find_sheets(size_t first, size_t points, bool closed);
     [[nodiscard]] Done add_pieces(const hmf_line& line, size_t first, size_t points);
     [[nodiscard]] Done add_piece(hmf_line line, size_t first, size_t points, size_t from, size_t segments);
 
@@ -82,9 +82,10 @@ bool Cutter::changes_sides(size_t point) const {
 }
 
 // Undetermined parts count as front: they are parts of the boundary itself.
-void Cutter::find_sheets(size_t first, size_t points, bool closed) {
+Done Cutter::find_sheets(size_t first, size_t points, bool closed) {
     const size_t segments = closed ? points : points - 1;
     for (size_t i = 0; i < segments; ++i) {
+        if (!call_.work(64, 0.95, false)) return false;
         const Sheet a = sheet_at(first + i), b = sheet_at(first + (i + 1) % points);
         sheet_[i] = a != Sheet::unknown ? a : b;
     }
@@ -93,12 +94,16 @@ void Cutter::find_sheets(size_t first, size_t points, bool closed) {
             sheet_[to] = changes_sides(first + point) ? other(sheet_[from]) : sheet_[from];
     };
     for (int round = 0; round < 2; ++round) { // twice: around the end of a closed line
-        for (size_t i = 1; i < segments; ++i) spread(i - 1, i, i);
+        for (size_t i = 1; i < segments; ++i) {
+            if (!call_.work(16, 0.95, false)) return false;
+            spread(i - 1, i, i);
+        }
         if (closed) spread(segments - 1, 0, 0);
     }
     for (size_t i = segments; i-- > 1;) spread(i, i - 1, i);
     for (size_t i = 0; i < segments; ++i)
         if (sheet_[i] == Sheet::unknown) sheet_[i] = Sheet::front;
+    return call_.work(32 * segments, 0.95, false);
 }
 
 Done Cutter::add_piece(hmf_line line, size_t first, size_t points, size_t from, size_t segments) {
@@ -116,6 +121,7 @@ Done Cutter::add_piece(hmf_line line, size_t first, size_t points, size_t from, 
     line.closed = whole;
     line.begin_zero = line.end_zero = line.cylinder = HMF_NONE;
     for (size_t k = 0; k < segments + !whole; ++k) {
+        if (!call_.work(64, 0.95, false)) return false;
         const size_t here = first + (from + k) % points;
         const double* p = &lines_.points[3 * here];
         for (size_t c = 0; c < 3; ++c)
@@ -133,7 +139,7 @@ Done Cutter::add_pieces(const hmf_line& line, size_t first, size_t points) {
     sheet_.clear();
     for (size_t i = 0; i < segments; ++i)
         if (!sheet_.push(Sheet::unknown)) return false;
-    find_sheets(first, points, line.closed);
+    if (!find_sheets(first, points, line.closed)) return false;
     // A closed line begins where it comes to the front.
     size_t start = 0;
     while (line.closed && start < segments

@@ -13,6 +13,9 @@ constexpr uint32_t ANNULUS_TURNS = 4, FIRST_TURN = 1;
 constexpr double RADIUS = 1.25;
 // Around a vertex of more triangles regions are not identified: each new region takes a walk around it.
 constexpr size_t MOST_IN_FAN = 512;
+// Settled states in all searches, per state: meshes whose triangles are no fans take at most 4.  Beyond, the shortest
+// way so far counts; on a strip of long triangles each root would settle most states.
+constexpr uint64_t MOST_SETTLED = 16;
 constexpr uint32_t CLOSED = static_cast<uint32_t>(-1); // a stamp
 
 } // namespace
@@ -223,6 +226,7 @@ Done Annulus::search_from(uint32_t root, bool is_landmark, double& best, Array<u
         if (state_[state].stamp == settled) continue;
         if (top.distance >= radius) break;
         state_[state].stamp = settled;
+        ++settled_;
         if (is_landmark) landmark_[state] = state_[state].distance;
         if (state == goal) {
             arrived = true;
@@ -276,7 +280,8 @@ Done Annulus::search(double limit, Array<uint32_t>& out) {
     double best = limit;
     bool is_landmark = true;
     stamp_ = 0;
-    for (uint32_t root = 0; root < copies_.size(); ++root) {
+    settled_ = 0;
+    for (uint32_t root = 0; root < copies_.size() && settled_ < MOST_SETTLED * states; ++root) {
         const Copy& copy = copies_[root];
         bool counts = false;
         for (uint32_t s = 0; s < copy.sides; ++s) counts |= copy.to[s] != NONE && copy.turns[s] > 0;

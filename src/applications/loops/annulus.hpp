@@ -98,6 +98,7 @@ private:
     Array<SearchState> state_; // per copy and turn
     Array<double> landmark_;   // likewise, the distance from the landmark
     uint32_t stamp_ = 0;
+    uint64_t settled_ = 0; // states, by all searches of one loop
 };
 
 } // namespace hmf

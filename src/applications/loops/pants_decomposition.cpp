@@ -82,6 +82,7 @@ public:
         strip_.start(memory_);
         strips_.start(memory_);
         candidates_.start(memory_);
+        sides_.start(memory_);
         cycles_.start(memory_);
         hole_.start(memory_);
         cycle_.start(memory_);
@@ -167,6 +168,7 @@ private:
         for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
         for (size_t s = 0; s < cut_.segment_count; ++s)
             unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
+        if (!call_.work(32 * uint64_t{cut_.segment_count})) return call_.was_cancelled();
         for (size_t k = 0; k < n; ++k) {
             for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i)
                 around_[2 * k] += length_[edge_of(curves_.components.crossings[i])];
@@ -200,6 +202,7 @@ private:
     Done seed_mark(uint32_t v) {
         bool counted = false;
         for (const uint32_t h : mesh_.around(v)) {
+            if (!call_.work(16)) return false;
             const uint32_t segment = segment_at_origin(h);
             const uint32_t side = 2 * static_cast<uint32_t>(curves_.components.count()) + v;
             if (!add_seed(side, h, cut_.region[2 * size_t{segment} + (h & 1u)], counted)) return false;
@@ -214,6 +217,7 @@ private:
         if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
         bool counted[2] = {false, false};
         for (uint64_t i = first; i < end; ++i) {
+            if (!call_.work(32)) return false;
             // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
             const uint32_t e = edge_of(h), count = curves_.count[e];
             for (uint32_t right = 0; right < 2; ++right) {
@@ -244,6 +248,7 @@ private:
         double least = HUGE_VAL;
         for (uint32_t seed = 0; seed < seeds_.size(); ++seed) {
             const uint32_t r = seeds_[seed].region;
+            if (!call_.work(8)) return false;
             if (holes_[find_root(piece_.data(), r)] <= 3) continue;
             least = std::min(least, around_[seeds_[seed].side]);
             if (seed_[r] == seed && !heap_.push({0, r})) return false;
@@ -258,6 +263,7 @@ private:
         double best = HUGE_VAL;
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
+            if (!call_.work(64)) return false;
             if (top.distance > distance_[top.item]) continue;
             if (2 * (least + top.distance) > PANTS_FURTHER * best) break;
             for (uint32_t i = 0; i < 3; ++i) {
@@ -285,16 +291,21 @@ private:
     // they meet in one region), least estimates first.
     Done find_candidates() {
         candidates_.clear();
-        for (const Pair& pair : pairs_) {
-            if (holes_[find_root(piece_.data(), seeds_[pair.a].region)] <= 3) continue;
-            const auto same = [&](const Candidate& c) {
-                const uint32_t a = seeds_[c.pair.a].side, b = seeds_[c.pair.b].side;
-                const uint32_t k = seeds_[pair.a].side, l = seeds_[pair.b].side;
-                return (a == k && b == l) || (a == l && b == k);
-            };
-            size_t i = 0;
-            while (i < candidates_.size() && !same(candidates_[i])) ++i;
-            if (i == candidates_.size() && !candidates_.push({estimate(pair.a, pair.b, 0), pair, NONE})) return false;
+        // Each two sides once, by the first pair of seeds.
+        sides_.clear();
+        for (uint32_t i = 0; i < pairs_.size(); ++i) {
+            if (holes_[find_root(piece_.data(), seeds_[pairs_[i].a].region)] <= 3) continue;
+            const uint64_t a = seeds_[pairs_[i].a].side, b = seeds_[pairs_[i].b].side;
+            if (!sides_.push({std::min(a, b) << 32 | std::max(a, b), i})) return false;
+        }
+        if (!call_.work(128 * sides_.size())) return false;
+        heap_sort(sides_.data(), sides_.size(),
+                  [](const Sides& a, const Sides& b) { return a.both != b.both ? a.both < b.both : a.pair < b.pair; });
+        for (size_t i = 0; i < sides_.size(); ++i) {
+            const Pair& pair = pairs_[sides_[i].pair];
+            const bool first = i == 0 || sides_[i].both != sides_[i - 1].both;
+            if (!call_.work(64)) return false;
+            if (first && !candidates_.push({estimate(pair.a, pair.b, 0), pair, NONE})) return false;
         }
         // The segments between two cells, in one piece as long as they meet at vertices of two cells.
         const auto is_contact = [&](uint32_t s) {
@@ -302,12 +313,14 @@ private:
             return seed_[r] != NONE && seed_[q] != NONE && seeds_[seed_[r]].side != seeds_[seed_[q]].side
                 && holes_[find_root(piece_.data(), r)] > 3;
         };
+        if (!call_.work(64 * uint64_t{cut_.segment_count})) return false;
         if (!borders_.find(
                 cut_, is_contact, [&](uint32_t p) { return p >= mesh_.vertex_count || mesh_.is_marked(p); },
                 [&](uint32_t s) { return contact(s).length; }, memory_))
             return false;
         for (const uint32_t s : borders_.best())
             if (s != NONE && !candidates_.push(contact(s))) return false;
+        if (!call_.work(64 * candidates_.size())) return false;
         heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
             if (a.length != b.length) return a.length < b.length;
             return a.pair.a != b.pair.a ? a.pair.a < b.pair.a : a.pair.b < b.pair.b;
@@ -340,6 +353,7 @@ private:
         if (!shortest_strip(best)) return false;
         uint32_t done = NONE;
         for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+            if (!call_.work(4)) return false;
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut_.region[2 * size_t{s}];
             if (r == done || holes_[find_root(piece_.data(), r)] <= 3 || search_.bound(r) >= roots * best
@@ -530,6 +544,11 @@ private:
     Array<uint32_t> seed_, from_;
     NearestFirst heap_;
     Array<Candidate> candidates_; // for the next loop
+    struct Sides {
+        uint64_t both;
+        uint32_t pair;
+    };
+    Array<Sides> sides_; // of pairs_
     Array<uint64_t> mark_word_;
     Array<uint32_t> strips_, ids_;
     Array<Strip> strip_; // per id

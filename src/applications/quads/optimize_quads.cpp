@@ -371,10 +371,13 @@ bool QuadOptimizer::is_folded(size_t q) const {
         && !(worst_corner_from_outside(surface_, quads_, q) > 0);
 }
 
-size_t QuadOptimizer::count_folded() const {
-    size_t count = 0;
-    for (size_t q = 0; q < quads_.quad_count(); ++q) count += is_folded(q);
-    return count;
+Done QuadOptimizer::count_folded(size_t& count) {
+    count = 0;
+    for (size_t q = 0; q < quads_.quad_count(); ++q) {
+        if (!call_.work(256, 0, false)) return false;
+        count += is_folded(q);
+    }
+    return true;
 }
 
 // The least area of a corner, relative to the target area.
@@ -396,9 +399,11 @@ Done QuadOptimizer::mark_region(int rings, bool lets_go) {
     if (!region_.allocate_filled(call_.memory, quads_.vertex_count(), uint8_t{0})
         || !next.allocate(call_.memory, quads_.vertex_count()))
         return false;
-    for (size_t q = 0; q < quads_.quad_count(); ++q)
+    for (size_t q = 0; q < quads_.quad_count(); ++q) {
+        if (!call_.work(256, 0, false)) return false;
         if (is_folded(q))
             for (size_t k = 0; k < 4; ++k) region_[quads_.quads[4 * q + k]] = 1;
+    }
     for (int ring = 0; ring < rings; ++ring) {
         if (!call_.tick(0)) return false;
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) next[v] = region_[v];
@@ -424,7 +429,9 @@ hmf_status QuadOptimizer::untangle_round(int round) {
     for (uint8_t& a : awake_) a = 1;
     for (int k = 0; k < SWEEPS; ++k) {
         const double least = std::min(least_area(), 0.0);
-        if (!(least < 0) && count_folded() == 0) break;
+        size_t folded = 1;
+        if (!(least < 0) && !count_folded(folded)) return call_.was_cancelled();
+        if (folded == 0) break;
         if (round == 0) eps_ = std::sqrt(EPS * EPS + SOFT * SOFT * least * least);
         else eps_ = k == 0 ? 1 : std::max(EPS, HARDER * eps_);
         double moved = 0;
@@ -438,12 +445,13 @@ hmf_status QuadOptimizer::untangle() {
     growth_ = sag_ = 0;
     barrier_ = false;
     if (!set_targets()) return call_.stopped();
-    size_t least = count_folded();
+    size_t least = 0, now = 0;
+    if (!count_folded(least)) return call_.was_cancelled();
     QuadPlaces best;
     for (int round = 0; round < OPTIMIZE_ROUNDS && least > 0; ++round) {
         if (!best.keep(quads_, call_.memory)) return call_.out_of_memory();
         if (untangle_round(round)) return call_.status();
-        const size_t now = count_folded();
+        if (!count_folded(now)) return call_.was_cancelled();
         if (now > least) {
             best.give_back(quads_);
             look_again();

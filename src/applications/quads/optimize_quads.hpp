@@ -46,7 +46,7 @@ private:
     Done set_targets();
     Done find_boundary();
     double least_area() const;
-    size_t count_folded() const;
+    Done count_folded(size_t& count);
     bool is_folded(size_t q) const;
     Done mark_region(int rings, bool lets_go);
     [[nodiscard]] hmf_status untangle_round(int round);

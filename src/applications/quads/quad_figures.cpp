@@ -32,7 +32,7 @@ Done measure_distance(const Mesh& mesh, const double* position, const Reflection
 Done count_inverted(const SurfaceSearch& surface, const QuadMesh& quads, uint64_t& inverted, Call& call) {
     inverted = 0;
     for (size_t q = 0; q < quads.quad_count(); ++q) {
-        if (q % FIGURES_SLICE == 0 && !call.tick(0)) return false;
+        if (!call.work(256, 0, false)) return false; // a search of the tree of triangles
         inverted += !(worst_corner_from_outside(surface, quads, q) > 0);
     }
     return true;

@@ -79,6 +79,7 @@ private:
             // The tip itself, or as far on the way to it as quads stay good.
             uint32_t best = NONE, to = tip.vertex;
             for (; to != NONE && !(is_near(tip.quad, to)); to = near_.before(to)) {
+                if (!call_.work(256, 0, false)) return false;
                 best = mover(tip.quad, to, near);
                 if (best != NONE) break;
             }

@@ -130,8 +130,7 @@ public:
         const double parts = static_cast<double>(SAMPLES_PER_SIDE) * sum / mean_ + static_cast<double>(edges_.size());
         if (edges_.empty() || parts > static_cast<double>(MOST_SAMPLES)) return HMF_OK;
         if (!sample() || !find_nearest() || !choose() || !stars_.build(quads_, call_.memory)) return call_.stopped();
-        put(snapped);
-        if (!take_corners(snapped)) return call_.stopped();
+        if (!put(snapped) || !take_corners(snapped)) return call_.stopped();
         return HMF_OK;
     }
 
@@ -254,13 +253,15 @@ private:
         return true;
     }
 
-    void put(size_t& snapped) {
+    Done put(size_t& snapped) {
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
+            if (!call_.work(256, 0, false)) return false;
             if (!snaps_[v] || quads_.held[v]) continue;
             if (!put(v, on_line_[v])) continue;
             quads_.held[v] = ON_CREASE;
             ++snapped;
         }
+        return true;
     }
 
     // False if a corner of its quads would get too flat or too sharp: it stays where it was.

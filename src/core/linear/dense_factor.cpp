@@ -23,12 +23,13 @@ Real without_tiny(Real value) { // subnormal numbers are slow
 // Right-looking; column j of L is matrix[j * n + i], i >= j.
 template <class Real>
 Done DenseFactor::Factor<Real>::build(uint32_t size, Array<Real>& matrix, Real least_pivot, Real weak_pivot,
-                                      uint32_t& weak, Memory& memory) {
+                                      uint32_t& weak, Memory& memory, Call* call) {
     const size_t n = size;
     if (!entry.allocate(memory, n * n) || !inverse.allocate(memory, n)) return false;
     Real* const a = matrix.data();
     weak = 0;
     for (size_t j = 0; j < n; ++j) {
+        if (call && !call->work((n - j) * (n - j) / 8)) return false;
         const Real pivot = a[j * n + j];
         weak += !(pivot > weak_pivot);
         const Real one = 1 / std::sqrt(pivot > least_pivot ? pivot : least_pivot);
@@ -60,7 +61,7 @@ void DenseFactor::Factor<Real>::solve(uint32_t size, Real* b) const {
     }
 }
 
-Done DenseFactor::build(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory) {
+Done DenseFactor::build(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory, Call* call) {
     n_ = matrix.n;
     const size_t n = n_;
     const auto fill = [&](auto& a) {
@@ -81,7 +82,7 @@ Done DenseFactor::build(const SignedMatrix& matrix, const Array<float>& scale, M
         if (!a.allocate_filled(memory, n * n, 0)) return false;
         fill(a);
         for (size_t i = 0; i < n; ++i) a[i * n + i] = 1 + SHIFT;
-        if (!single_.build(n_, a, 0.1f * SHIFT, WEAK_PIVOT, weak, memory)) return false;
+        if (!single_.build(n_, a, 0.1f * SHIFT, WEAK_PIVOT, weak, memory, call)) return false;
     }
     if (weak < 2) return true;
     single_ = {};
@@ -92,7 +93,7 @@ Done DenseFactor::build(const SignedMatrix& matrix, const Array<float>& scale, M
         const double own = static_cast<double>(scale[i]);
         a[i * n + i] = own > 0 ? matrix.diagonal[i] * own * own + SMALL_SHIFT : 1;
     }
-    return double_.build(n_, a, 0.1 * SMALL_SHIFT, 0.0, weak, memory);
+    return double_.build(n_, a, 0.1 * SMALL_SHIFT, 0.0, weak, memory, call);
 }
 
 void DenseFactor::solve() {

@@ -19,7 +19,8 @@ namespace hmf {
 class DenseFactor {
 public:
     // scale: of each row and column; 0 leaves them out.
-    Done build(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
+    // call: to report to, or NULL.
+    Done build(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory, Call* call);
     void clear() { *this = DenseFactor(); }
     uint32_t size() const { return n_; }
 
@@ -36,7 +37,8 @@ private:
         Array<Real> inverse; // 1 / diagonal of L
 
         // matrix: n * n, its lower part by columns, which is changed.  weak: pivots below a number, or null.
-        Done build(uint32_t n, Array<Real>& matrix, Real least_pivot, Real weak_pivot, uint32_t& weak, Memory& memory);
+        Done build(uint32_t n, Array<Real>& matrix, Real least_pivot, Real weak_pivot, uint32_t& weak, Memory& memory,
+                   Call* call);
         void solve(uint32_t n, Real* b) const;
     };
 

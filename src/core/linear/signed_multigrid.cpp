@@ -77,7 +77,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
             if (l > 1) finer.scale.release();
         }
         if (current.n <= DENSE_LIMIT) {
-            if (!dense_.build(current, level.scale, memory)) return false;
+            if (!dense_.build(current, level.scale, memory, call)) return false;
             break;
         }
         ++level_count_;

@@ -140,7 +140,7 @@ TEST(DenseFactor, OneFailedAllocationIsAFailure) {
         size_t left = failed;
         hmf::Memory memory(allocate_but_one, release_any, &left, 0);
         hmf::DenseFactor factor;
-        done = static_cast<bool>(factor.build(s.matrix(), scale, memory));
+        done = static_cast<bool>(factor.build(s.matrix(), scale, memory, nullptr));
         EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
     }
     EXPECT_GT(failed, 6u);
