@@ -262,7 +262,7 @@ def gallery_pages(pages: Path) -> None:
 
 def tool_page(pages: Path) -> None:
     """The help of each command, from the tool itself."""
-    built = sorted((ROOT / "build").glob("*/hmf"), key=lambda path: path.stat().st_mtime)
+    built = sorted((path for path in (ROOT / "build").glob("*/hmf") if path.is_file()), key=lambda path: path.stat().st_mtime)
     tool = os.environ.get("HMF_TOOL") or (str(built[-1]) if built else shutil.which("hmf"))
     out = ["# The tool, every option\n\n`hmf COMMAND --help` prints the same. How the options work together: [the tool](tool.md).\n"]
     if not tool:

@@ -139,7 +139,7 @@ changed parameter-narrower breaks hmf.h 's/^HMF_API size_t hmf_foliation_level/H
 changed field-in-the-middle breaks hmf.h 's/^    double time_limit;/    double another;\n&/'
 changed fields-exchanged breaks hmf.h 's/^    uint64_t vertices;/    uint64_t EDGES;/; s/^    uint64_t edges;/    uint64_t vertices;/; s/EDGES/edges/'
 changed field-type breaks hmf.h 's/^    uint64_t stop_level;/    int64_t stop_level;/'
-changed field-removed breaks applications.h '/^    double unevenness_before;/d'
+changed field-removed breaks applications.h '/^    double used_area; /d'
 changed element-grows breaks hmf.h 's/^} hmf_level_info;/    double another;\n&/'
 changed constant-value breaks hmf.h 's/HMF_ERROR_MESH_GENUS = 311/HMF_ERROR_MESH_GENUS = 315/'
 changed constant-removed breaks hmf.h '/^ *HMF_COLLAPSE_ENDPOINT/d'
