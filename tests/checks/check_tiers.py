@@ -7,12 +7,14 @@
 - Each row of tests/tiers.txt selects a case of its program, and has a reason.
 - Each case that the mutation tables name as the one that notices a defect is there. The default tier runs those of at
   least 95 % of the defects.
+- Each defect of tests/mutation/table_mutations.txt still changes its file.
 - Each test file has its names in a namespace of its own.
 - A case that takes fewer inputs with sanitizers (tests/support/sample.hpp) runs in the optimized build as well.
 """
 import fnmatch
 import pathlib
 import re
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -99,6 +101,17 @@ def killers():
     return found
 
 
+def defect_problems():
+    for line in (ROOT / "tests/mutation/table_mutations.txt").read_text().splitlines():
+        fields = re.fullmatch(r"(\S+)  (.*)  \S+  \S+", line)
+        if not fields or line.startswith("#"):
+            continue
+        path = ROOT / fields[1]
+        text = path.read_text() if path.is_file() else ""
+        if subprocess.run(["sed", fields[2]], input=text, capture_output=True, text=True).stdout == text:
+            yield f"{fields[1]}: '{fields[2]}' changes nothing"
+
+
 def power_problems():
     for table in ("table", "derived"):
         of_table = [(program, cases) for name, program, cases in killers() if name == table]
@@ -117,6 +130,7 @@ def power_problems():
 report("tiers", row_problems())
 report("namespaces", namespace_problems())
 report("samples", sample_problems())
+report("defects", defect_problems())
 report("power-of-the-default-tier", power_problems())
 if "--list" in sys.argv:
     for tier, program, pattern, reason in ROWS:
