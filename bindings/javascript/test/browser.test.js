@@ -125,8 +125,8 @@ test('a mesh that is refused says why, and the page goes on', async () => {
         transfer.items.add(new File([content], 'mesh.obj'));
         dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true }));
     }, text);
-    await drop('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n');
-    await page.waitForFunction(() => /genus 0/.test(document.getElementById('message').textContent));
+    await drop('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 2 5\nf 2 1 5\n');
+    await page.waitForFunction(() => /third one at the edge/.test(document.getElementById('message').textContent));
     await page.selectOption('#shape', 'torus');
     await solved(page);
     assert.equal((await table(page)).genus, '1');

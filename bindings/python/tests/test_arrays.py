@@ -227,7 +227,7 @@ def test_values_and_weights_of_the_wrong_shape(hierarchy: foliations.Hierarchy) 
     [
         {"method": "simplex"},
         {"method": 3},
-        {"stop_level": -1},
+        {"stop_level": -99},
         {"stop_level": 0.5},
         {"iteration_limit": -3},
         {"iteration_limit": 2**64},

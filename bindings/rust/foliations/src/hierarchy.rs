@@ -475,10 +475,10 @@ impl Hierarchy {
         let info = self.info();
         // SAFETY: the header gives so many rows.
         let levels = unsafe { slice(info.levels, info.level_count) };
-        levels.get(level).map(Read::read).ok_or_else(|| {
-            let message = format!("There is no level {level}; the hierarchy has {}, counted from 0.", levels.len());
-            Error::new(Status::ERROR_LEVEL, message)
-        })
+        match levels.get(level) {
+            Some(found) => Ok(Read::read(found)),
+            None => Err(self.mesh(level).err().expect("the library has no such level either")),
+        }
     }
 
     fn mesh(&self, level: usize) -> Result<Owned<sys::hmf_level_mesh>> {
