@@ -3,6 +3,7 @@
 #include "fit_quads.hpp"
 #include "front_surface.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -46,12 +47,16 @@ hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& c
                      out, inverted, call);
 }
 
+// 1 at the limits.  Features smaller than a quad are followed by smaller ones; what is bad for another reason stays so.
+double badness(const QuadFigures& figures, double area, size_t count) {
+    const double ratio = figures.area / area;
+    return std::max(static_cast<double>(figures.inverted) / (MOST_INVERTED * static_cast<double>(count)),
+                    LEAST_AREA * std::max(ratio, 1 / ratio));
+}
+
 // Quads that are larger than what they should follow, or do not reach a part of the surface, are refused.
 bool is_fit(const QuadFigures& figures, double area, size_t count) {
-    const double ratio = figures.area / area;
-    return count < FEW
-        || (static_cast<double>(figures.inverted) <= MOST_INVERTED * static_cast<double>(count) && ratio > LEAST_AREA
-            && ratio * LEAST_AREA < 1);
+    return count < FEW || badness(figures, area, count) < 1;
 }
 
 hmf_status refuse(const QuadFigures& figures, double area, size_t count, Call& call) {
@@ -104,13 +109,16 @@ hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinder
     if (wished_number(wish, area, by_default, number, call)) return call.status();
     const Mesh& mesh = front ? surface.mesh() : f.mesh;
     const Reflection* const reflection = front ? wish.reflection : nullptr;
+    double before = HUGE_VAL; // how bad the last quads were
     for (int doublings = 0;; ++doublings, number *= 2) {
         if (make_number(f, position, cylinders, wish, metric, front, by_default, number, out, call)
             || quad_figures(mesh, position, reflection, out, figures, call))
             return call.status();
         if (!(wish.relax > 0) || is_fit(figures, area, out.quad_count())) return HMF_OK;
-        if (doublings == MOST_DOUBLINGS || 2 * number > static_cast<double>(MOST_QUADS))
+        const double bad = badness(figures, area, out.quad_count());
+        if (doublings == MOST_DOUBLINGS || 2 * number > static_cast<double>(MOST_QUADS) || !(bad < before))
             return refuse(figures, area, out.quad_count(), call);
+        before = bad;
     }
 }
 
