@@ -35,12 +35,6 @@ uint32_t rim_near(const Mesh& mesh, const double* position, uint32_t side, const
 
 uint32_t next_on_rim(const Mesh& mesh, uint32_t h) { return other_on_rim(mesh, h); }
 
-uint32_t walk_along_rim(const Mesh& mesh, const double* position, uint32_t h, const double* p, double* nearest) {
-    const uint32_t found =
-        walk_along_line(mesh, position, h, p, nearest, [&](uint32_t g) { return other_on_rim(mesh, g); });
-    return is_on_rim(mesh, found) ? found : twin(found);
-}
-
 uint32_t slide_along_rim(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
                          double* reached) {
     const uint32_t found =

@@ -14,10 +14,6 @@ uint32_t rim_near(const Mesh& mesh, const double* position, uint32_t side, const
 // The half-edge of the boundary after h, which is one.
 uint32_t next_on_rim(const Mesh& mesh, uint32_t h);
 
-// The point nearest to p on the boundary, searched from the edge of h on as long as the next one is nearer.
-// Returns the half-edge found, the surface on its left.
-uint32_t walk_along_rim(const Mesh& mesh, const double* position, uint32_t h, const double* p, double* nearest);
-
 // From p on the edge of h, one of the boundary, along it by a length, backwards if that is negative.  Returns the
 // half-edge reached, the surface on its left.
 uint32_t slide_along_rim(const Mesh& mesh, const double* position, uint32_t h, const Point& p, double length,
