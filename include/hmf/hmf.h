@@ -1,9 +1,9 @@
 /*
  * hmf - harmonic measured foliations on triangle meshes
  *
- * A measured foliation gives every edge of a triangle mesh a number F >= 0: the
- * distance between the images of its end points in a metric tree.  The harmonic
- * foliation of a class minimizes the Dirichlet energy
+ * A measured foliation gives every edge of a triangle mesh a number F >= 0, the
+ * transverse measure of the edge: how far the leaves are apart that pass through its
+ * two ends.  The harmonic foliation of a class minimizes the Dirichlet energy
  *
  *     D(F) = sum over edges of  weight(edge) * F(edge)^2.
  *
@@ -11,7 +11,7 @@
  * a surface with boundary there may also be arcs from boundary to boundary.
  * Conformal parameterizations, quad meshes and stripe patterns follow from F.
  *
- * In five calls:
+ * In short:
  *
  *     hmf_hierarchy_create  positions + triangles  -> hierarchy
  *     hmf_loops             hierarchy              -> loops; in hmf/applications.h, or your own
@@ -19,14 +19,14 @@
  *     hmf_foliation_values                         -> one number per edge
  *     hmf_foliation_destroy, hmf_free, hmf_hierarchy_destroy
  *
- * This header is the core, the library hmf_core.  hmf/applications.h chooses
+ * This header declares the core, the library hmf_core.  hmf/applications.h chooses
  * loops, and computes parameterizations, leaves, cylinders, quads and charts.
  *
  * Rules for every function
  *
  *   errors    A function that can fail returns hmf_status; 0 is success.  Its last
- *             argument is an optional hmf_error of the caller, which receives
- *             the element concerned and a sentence with the remedy.  On failure
+ *             argument is an optional hmf_error, which receives the element
+ *             concerned and a sentence with the remedy.  On failure
  *             outputs are left unchanged, except that object pointers are set to
  *             NULL; other exceptions are documented.  Each function lists the
  *             classes of errors that it can return: class 100 stands for
@@ -39,12 +39,12 @@
  *             threads may use them.  A foliation keeps what it needs of its
  *             hierarchy, so destroy them in any order.  There is no global state.
  *   results   A result is one structure with counts and flat arrays, in one block:
- *             free it with hmf_free.  Data of an object (hmf_hierarchy_describe,
- *             hmf_foliation_values, hmf_foliation_report) are part of the object.
+ *             free it with hmf_free.  What hmf_hierarchy_describe, hmf_foliation_values and
+ *             hmf_foliation_report return belongs to the object: do not free it.
  *   types     Indices are uint32_t from 0, counts size_t or uint64_t, reals double.
  *             Values of an enumeration are passed and stored as int32_t, so that
- *             layouts do not depend on the compiler; HMF_METHOD_* stands for the
- *             values of hmf_method.
+ *             layouts do not depend on the compiler.  HMF_X_* means the values of the
+ *             enumeration hmf_x.
  *   memory    All memory comes from the allocator of the hierarchy options.  It
  *             must be thread-safe if objects are shared between threads, and must
  *             outlive the objects and results.
@@ -66,13 +66,13 @@
  *             and its mirror image, glued along the boundary.  Leaves run along
  *             the boundary or meet it at right angles.  On level 0 you see the
  *             surface only, and energies and areas are those of the surface.
- *             Coarser levels are levels of the double, and so are counts of
- *             poles, zeros and indices.  Values of level 0 from hmf_solve are
- *             exactly symmetric, unless a part that no leaf crosses joins a
- *             boundary with a handle or marked vertices.  You receive the values
- *             of the original surface, and hmf_foliation_from_values accepts them
- *             again.  On the intrinsic triangulation, where energy and residual
- *             are measured, the minimum is symmetric up to the residual.
+ *             Coarser levels, and counts and indices of poles and zeros, are those
+ *             of the double.  Values of level 0 from hmf_solve are exactly the same
+ *             on both halves, unless a part of the surface that no leaf crosses
+ *             contains both a boundary and a handle or a marked vertex.  You receive
+ *             the values of your half, and hmf_foliation_from_values accepts them.
+ *             Energy and residual are those of the intrinsic triangulation, where
+ *             the halves differ by up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -122,7 +122,7 @@ typedef enum hmf_status_code {
                                     whose class would be lost. report->class_state describes the values */
 
     /* the call itself */
-    HMF_ERROR_NULL = 100,        /* a pointer that must not be NULL is */
+    HMF_ERROR_NULL = 100,        /* a required pointer is NULL */
     HMF_ERROR_OPTIONS = 101,     /* an option is out of range or from a newer header */
     HMF_ERROR_COUNT = 102,       /* an array has the wrong number of elements */
     HMF_ERROR_LEVEL = 103,       /* no such level */
@@ -134,7 +134,7 @@ typedef enum hmf_status_code {
     HMF_ERROR_MEMORY_LIMIT = 201, /* the memory limit of the options was reached */
 
     /* the mesh */
-    HMF_ERROR_MESH_COUNTS = 300, /* no vertices or triangles, or more than 2^31 / 3 */
+    HMF_ERROR_MESH_COUNTS = 300, /* no vertices, no triangles, or more than 2^31 / 3 of either */
     HMF_ERROR_MESH_INDEX = 301, /* a triangle names a vertex that does not exist */
     HMF_ERROR_MESH_NOT_FINITE = 302, /* a coordinate is infinite or not a number */
     HMF_ERROR_MESH_REPEATED_VERTEX = 303, /* a triangle names one vertex twice */
@@ -166,7 +166,7 @@ typedef enum hmf_status_code {
     HMF_ERROR_VALUE_NOT_CLOSED = 501, /* a triangle inequality is violated, or a value is not a multiple of the unit */
     HMF_ERROR_VALUE_POLE = 502, /* the values have a pole, or are all 0 */
     HMF_ERROR_VALUE_NOT_HARMONIC = 503, /* the values are too far from the minimum */
-    HMF_ERROR_VALUE_CLASS = 504, /* the values do not belong to the given loops, or to no loops that can be followed */
+    HMF_ERROR_VALUE_CLASS = 504, /* the values are those of other loops than given, or their leaves do not close */
 
     /* a defect of the library itself */
     HMF_ERROR_INTERNAL = 900
@@ -213,11 +213,11 @@ typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
 /* Answer of a progress function. */
 typedef enum hmf_progress {
     HMF_PROGRESS_CONTINUE = 0,
-    /* Any other value: return HMF_CANCELLED at once, within 50 ms on a mesh of a
-       million edges. */
+    /* This, and any value that is not listed: return HMF_CANCELLED, within 50 ms on
+       a mesh of a million edges. */
     HMF_PROGRESS_CANCEL = 1,
-    /* hmf_solve, hmf_relax: stop improving, carry the foliation to the asked
-       level, give it and return HMF_CANCELLED.  Elsewhere as CANCEL. */
+    /* hmf_solve, hmf_relax: stop improving, carry the foliation to the level of the
+       options, return it with the status HMF_CANCELLED.  Elsewhere as CANCEL. */
     HMF_PROGRESS_FINISH = 2
 } hmf_progress;
 
@@ -234,8 +234,8 @@ typedef void (*hmf_task_fn)(void *context, uint32_t index);
    after the return, as after joining threads or with a mutex.  The function cannot
    fail: without a free thread it runs the tasks itself.
 
-   hmf calls it on the calling thread only, never from a task; count is at least 2 and
-   at most workers.  hmf_pool_run of hmf/pool.h is such a function; with OpenMP:
+   hmf calls it on the calling thread only, never from a task, and with
+   2 <= count <= hmf_control.workers.  hmf_pool_run of hmf/pool.h is such a function; with OpenMP:
 
        void run(void *user, hmf_task_fn task, void *context, uint32_t count)
        {
@@ -249,8 +249,8 @@ typedef void (*hmf_parallel_for_fn)(void *user, hmf_task_fn task, void *context,
 
    hmf never creates threads.  With parallel_for it shares the work of a call among
    threads of the host.  Results are bit-identical with and without it, and for any
-   number of workers: work is divided by the problem alone, and sums are added in the
-   order of the parts.  Each worker needs some memory during the call.  The progress
+   number of workers: the problem alone decides how work is divided, and sums are added
+   in the order of the parts.  Each worker needs some memory during the call.  The progress
    function and the allocator are called on the calling thread only. */
 typedef struct hmf_control {
     uint32_t struct_size;
@@ -284,22 +284,22 @@ typedef struct hmf_hierarchy_options {
     int32_t collapse;            /* HMF_COLLAPSE_* */
     double ratio;                /* number of edges of a level / of the next finer level; in [0.05, 0.95], default
                                     0.5 */
-    uint64_t coarsest;           /* target number of vertices of the coarsest level; at least 40 * genus + 10 *
-                                    marked_count; default a sixteenth of all, at most 1000 */
-    uint64_t memory_limit;       /* in bytes, 0 = none. For hmf_hierarchy_create, of all memory in use; for later calls,
-                                    of the hierarchy and the call together, without stored foliations and results */
+    uint64_t coarsest;           /* target number of vertices of the coarsest level; default a sixteenth of all, at most
+                                    1000. Raised to 40 * genus + 10 * marked_count */
+    uint64_t memory_limit;       /* in bytes, 0 = none. hmf_hierarchy_create counts all memory in use; later calls count
+                                    the hierarchy and their own, without stored foliations and results */
     hmf_allocate_fn allocate;    /* NULL = malloc; set both functions or none */
     hmf_release_fn release;
     void *allocator_user;
     uint64_t position_stride;    /* bytes from one vertex to the next, 0 = packed (24); at least 24, a multiple of 8 */
     double mollify;              /* in [0, 0.1], 0 = off; 1e-5 is a good value. Accepts triangles of zero area and edges
-                                    of length 0: adds the same length to all edges of level 0, the smallest with
-                                    which every triangle inequality holds with a margin of mollify * mean length.
+                                    of length 0: all edges of level 0 get longer by the same length, just enough for
+                                    every triangle inequality to hold with a margin of mollify * mean length.
                                     Only the weights of level 0 change; meshes that have the margin already do not
                                     change */
     const uint32_t *marked_vertices; /* vertices that may be poles. A sphere needs at least four; a disk needs four on
-                                    its boundary, where one inside counts as two. They never move, and the report
-                                    does not count them as poles. Indices add up to 4 - 4 * genus - marked_count */
+                                    its boundary; one in its interior counts as two. They never move, and the report
+                                    does not count them as poles. All indices add up to 4 - 4 * genus - marked_count */
     uint64_t marked_count;
 } hmf_hierarchy_options;
 
@@ -350,13 +350,13 @@ typedef struct hmf_level_info {
     uint64_t vertex_count;
     uint64_t edge_count;
     uint64_t triangle_count;
-    uint64_t raised_count;       /* edges whose weight was below the lower bound and was set to it; 0 on level 0, the
-                                    intrinsic Delaunay triangulation */
+    uint64_t raised_count;       /* edges whose weight was raised to a lower bound; 0 on level 0, where the solver
+                                    uses the weights of the intrinsic Delaunay triangulation */
 } hmf_level_info;
 
 typedef struct hmf_hierarchy_info {
     uint64_t level_count;        /* at least 1 */
-    uint64_t genus;              /* of the surface, without its boundary */
+    uint64_t genus;              /* of the surface with its boundary curves filled in */
     uint64_t boundary_count;     /* number of boundary curves */
     uint64_t memory_bytes;       /* held by the hierarchy */
     const hmf_level_info *levels; /* level_count, finest first */
@@ -371,12 +371,12 @@ typedef struct hmf_level_mesh {
     uint64_t edge_count;
     uint64_t triangle_count;
     const double *positions;     /* vertex_count x 3, in the unit of the input */
-    const uint32_t *edge_vertices; /* edge_count x 2; on coarse levels two vertices may have several edges */
+    const uint32_t *edge_vertices; /* edge_count x 2; on coarse levels several edges may join two vertices */
     const uint32_t *triangle_vertices; /* triangle_count x 3 corners */
     const uint32_t *triangle_edges; /* triangle_count x 3; side s of a triangle joins its corners s and s+1 */
-    const double *weights;       /* edge_count, half the sum of the two opposite cotangents (on the boundary of the
-                                    one), without unit. On level 0 those of your triangulation, which may be
-                                    negative; the solver uses the intrinsic Delaunay triangulation */
+    const double *weights;       /* edge_count, half the sum of the opposite cotangents (one on the boundary), without
+                                    unit. On level 0 those of your triangulation, which may be negative; the solver
+                                    uses those of the intrinsic Delaunay triangulation */
 } hmf_level_mesh;
 
 /* Copies the mesh of a level.  Free it with hmf_free.

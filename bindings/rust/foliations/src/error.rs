@@ -112,7 +112,7 @@ statuses! {
     ERROR_VALUE_POLE = HMF_ERROR_VALUE_POLE;
     /// The values are too far from the minimum of the energy.
     ERROR_VALUE_NOT_HARMONIC = HMF_ERROR_VALUE_NOT_HARMONIC;
-    /// The values do not belong to the given loops, or to no loops that can be followed.
+    /// The values are those of other loops than given, or their leaves do not close.
     ERROR_VALUE_CLASS = HMF_ERROR_VALUE_CLASS;
     /// A defect of the library itself; please report it.
     ERROR_INTERNAL = HMF_ERROR_INTERNAL;
