@@ -2,8 +2,8 @@
  * hmf - harmonic measured foliations on triangle meshes
  *
  * A measured foliation gives every edge of a triangle mesh a number F >= 0, the
- * transverse measure of the edge: how far the leaves are apart that pass through its
- * two ends.  The harmonic foliation of a class minimizes the Dirichlet energy
+ * transverse measure of the edge: how far apart the leaves through its two ends are.
+ * The harmonic foliation of a class minimizes the Dirichlet energy
  *
  *     D(F) = sum over edges of  weight(edge) * F(edge)^2.
  *
@@ -66,13 +66,13 @@
  *             and its mirror image, glued along the boundary.  Leaves run along
  *             the boundary or meet it at right angles.  On level 0 you see the
  *             surface only, and energies and areas are those of the surface.
- *             Coarser levels, and counts and indices of poles and zeros, are those
- *             of the double.  Values of level 0 from hmf_solve are exactly the same
- *             on both halves, unless a part of the surface that no leaf crosses
- *             contains both a boundary and a handle or a marked vertex.  You receive
- *             the values of your half, and hmf_foliation_from_values accepts them.
- *             Energy and residual are those of the intrinsic triangulation, where
- *             the halves differ by up to the residual.
+ *             Coarser levels, and counts and orders of poles and zeros, are those of
+ *             the double.  hmf_solve gives both halves of level 0 exactly the same
+ *             values, unless a part where all values are 0 contains a boundary and
+ *             also a handle or a marked vertex.  You receive the values of your half,
+ *             and hmf_foliation_from_values accepts them.  Energy and residual are
+ *             those of the intrinsic triangulation; its values differ between the
+ *             halves by up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -299,7 +299,7 @@ typedef struct hmf_hierarchy_options {
                                     change */
     const uint32_t *marked_vertices; /* vertices that may be poles. A sphere needs at least four; a disk needs four on
                                     its boundary; one in its interior counts as two. They never move, and the report
-                                    does not count them as poles. All indices add up to 4 - 4 * genus - marked_count */
+                                    does not count them as poles. See hmf_singularities for the sum of all indices */
     uint64_t marked_count;
 } hmf_hierarchy_options;
 
