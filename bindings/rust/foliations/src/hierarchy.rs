@@ -477,7 +477,7 @@ impl Hierarchy {
         let levels = unsafe { slice(info.levels, info.level_count) };
         match levels.get(level) {
             Some(found) => Ok(Read::read(found)),
-            None => Err(self.mesh(level).err().expect("the library has no such level either")),
+            None => self.mesh(level).map(|_| unreachable!("the library has no such level either")),
         }
     }
 
