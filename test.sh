@@ -66,6 +66,7 @@ ensure_packages() {
     need ninja-build command -v ninja
     need clang command -v clang++
     need clang-format command -v clang-format
+    need clang-tidy command -v clang-tidy
     need pkg-config command -v pkg-config
     need python3 command -v python3
     need python3-venv python3 -c 'import venv, ensurepip'
@@ -89,7 +90,7 @@ helpful_packages() { # name of a variant
     case $1 in
     optimized | abi) echo abigail-tools ;;
     release) echo abigail-tools ;;
-    static) echo clang-tidy cppcheck ;;
+    static) echo cppcheck ;;
     coverage | mutations) echo llvm ;;
     fuzzing) echo libclang-rt-14-dev zip ;;
     machines) echo qemu-user g++-{aarch64,s390x,riscv64,i686}-linux-gnu g++-mingw-w64-x86-64-posix wine wine64 ;;

@@ -22,8 +22,8 @@ Done SurfaceSearch::build(const Mesh& mesh, const double* position, Memory& memo
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
         if (mesh.face[h] != NONE && h < mesh.next[h] && h < mesh.prev(h) && !sides_.push(h)) return false;
     while (leaves_ * TRIANGLES_EACH < sides_.size()) leaves_ *= 2;
-    constexpr double FAR = HUGE_VAL;
-    if (!boxes_.allocate_filled(memory, 2 * leaves_, Box{{FAR, FAR, FAR}, {-FAR, -FAR, -FAR}})) return false;
+    const Box empty{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    if (!boxes_.allocate_filled(memory, 2 * leaves_, empty)) return false;
     for (size_t i = 0; i < sides_.size(); ++i) {
         Box& box = boxes_[leaves_ + i / TRIANGLES_EACH];
         uint32_t h = sides_[i];
