@@ -3,6 +3,7 @@
 
 - The performance table of README.md has the medians of bench/README.md.
 - The summary in docs/quads.md has the medians and sums of bench/quads.md.
+- docs/reliability.md names variants that exist, all fuzz targets, the gate of coverage and the number of defects.
 - README.md has at most 1000 words, docs/reliability.md 1500; a version in CHANGELOG.md at most 20 lines.
 - What a newcomer asks first is answered at most two links from README.md.
 - No page has a British spelling outside of code.
@@ -89,6 +90,25 @@ def quads() -> list:
     return wrong
 
 
+def reliability() -> list:
+    """What docs/reliability.md says otherwise than the tests."""
+    page = text("docs/reliability.md")
+    variants = set(re.findall(r"^(\w[\w-]*) +\|", text("test.sh"), re.M))
+    named = {name for row in table_with("docs/reliability.md", "promise", "variant")[2:]
+             for name in re.findall(r"`([\w-]+)`", row[-1])} | set(re.findall(r"`\./test\.sh ([\w-]+)`", page))
+    wrong = [f"no variant {name}" for name in sorted(named - variants - {"list"})]
+    targets = {path.stem for path in (ROOT / "fuzz").glob("*.cpp")} - {"driver"}
+    shown = {name for row in table_with("docs/reliability.md", "target", "input")[2:]
+             for name in re.findall(r"`(\w+)`", row[0])}
+    wrong += [f"fuzz target {name} on one side only" for name in sorted(targets ^ shown)]
+    rows = [line for line in text("tests/mutation/table_mutations.txt").splitlines() if line and line[0] != "#"]
+    gate = re.search(r"^LINES = ([\d.]+)", text("tests/mutation/coverage.py"), re.M)[1]
+    for said in (f"has {len(rows)} defects", f"The gate is {gate} %"):
+        if said not in page:
+            wrong.append(f"not said: {said}")
+    return wrong
+
+
 def lengths() -> list:
     wrong = [f"{name} has {len(text(name).split())} words, more than {most}"
              for name, most in (("README.md", 1000), ("docs/reliability.md", 1500)) if len(text(name).split()) > most]
@@ -119,7 +139,7 @@ def spelling() -> list:
 
 
 failed = 0
-for check in (performance, quads, lengths, answers, spelling):
+for check in (performance, quads, reliability, lengths, answers, spelling):
     told = check()
     failed |= bool(told)
     print(f"{'not ok' if told else 'ok'} {check.__name__}", *told, sep="\n    ")
