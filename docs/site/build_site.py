@@ -150,12 +150,12 @@ hmf_version                    -                          __version__           
 hmf_status_string              Error                      Error                    statusText               Error
 hmf_free                       -                          -                        -                        -
 hmf_hierarchy_create           Hierarchy                  Hierarchy                Hierarchy                Hierarchy.build
-hmf_suggest_marks              Hierarchy.suggest_marks    suggest_marks            suggestMarks             suggest_marks
+hmf_suggest_marks              suggest_marks              suggest_marks            suggestMarks             suggest_marks
 hmf_hierarchy_destroy          -                          -                        Hierarchy.dispose        -
 hmf_hierarchy_memory_estimate  Hierarchy.memory_estimate  memory_estimate          memoryEstimate           memory_estimate
 hmf_hierarchy_describe         Hierarchy.level            Hierarchy.levels         Hierarchy.levels         Hierarchy.level
 hmf_level                      Hierarchy.mesh             Level                    Level                    Hierarchy.edge_vertices
-hmf_loops                      Hierarchy.loops            Hierarchy.loops          Hierarchy.loops          Hierarchy.loops
+hmf_loops                      loops                      Hierarchy.loops          Hierarchy.loops          Hierarchy.loops
 hmf_foliation_from_loops       Hierarchy.initialize       Hierarchy.initialize     Hierarchy.initialize     Hierarchy.initialize
 hmf_foliation_from_values      Hierarchy.foliation        Hierarchy.foliation      Hierarchy.foliation      Hierarchy.foliation
 hmf_foliation_destroy          -                          -                        Foliation.dispose        -

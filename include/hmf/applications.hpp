@@ -1,7 +1,8 @@
 /*
- * applications.hpp - applications.h as C++17 functions: what follows from a foliation
+ * applications.hpp - applications.h as C++17 functions: loops, and what follows from a foliation
  *
- *     const hmf::Parameterization map = hmf::parameterize(foliation);
+ *     const hmf::Solution solution = hmf::solve_cut_system(hierarchy);
+ *     const hmf::Parameterization map = hmf::parameterize(solution.foliation);
  *     map.corner_uv();                       // an array, valid as long as map
  *     map->dilatation_mean;                  // a number
  *
@@ -17,6 +18,62 @@
 
 namespace hmf {
 inline namespace cpp {
+
+/* hmf_loops, with weights 1; kind: HMF_LOOPS_* */
+inline Loops loops(const Hierarchy& hierarchy, std::size_t level, hmf_loops_kind kind = HMF_LOOPS_CUT,
+                   const ProgressFunction& progress = nullptr) {
+    return detail::own(*detail::make<hmf_loop_set>(progress, hmf_loops, hierarchy.get(), level, kind));
+}
+
+/* hmf_solve_cut_system */
+inline Solution solve_cut_system(const Hierarchy& hierarchy, const SolveOptions& options = {},
+                                 const ProgressFunction& progress = nullptr) {
+    return detail::solve(options, progress, hmf_solve_cut_system, hierarchy.get());
+}
+
+/* hmf_suggest_marks */
+inline std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
+                                           const BuildOptions& options = {},
+                                           const ProgressFunction& progress = nullptr) {
+    const auto set = detail::make_of_mesh<hmf_mark_set>(progress, hmf_suggest_marks, positions, triangles,
+                                                        detail::raw(options));
+    return {set->vertices, set->vertices + set->count};
+}
+
+struct DesignOptions {
+    BuildOptions build; /* its marked vertices become part of the design */
+    bool no_poles = false;
+    uint64_t solve_limit = 0;
+};
+
+class Design : public Result<hmf_design> {
+public:
+    using Result::Result;
+    Span<uint32_t> marked_vertices() const noexcept { return span(get()->marked_vertices, get()->marked_count); }
+    Loops loops() const { return detail::own(*get()->loops); } /* of level 0 */
+};
+
+/* hmf_even_design: marked vertices for the options of a hierarchy, and loops to solve for on it. */
+inline Design even_design(Span<double> positions, Span<uint32_t> triangles, const DesignOptions& options = {},
+                          const ProgressFunction& progress = nullptr) {
+    const hmf_hierarchy_options build = detail::raw(options.build);
+    Options<hmf_design_options, hmf_design_options_init> all;
+    all.no_poles = options.no_poles;
+    all.build = &build;
+    all.solve_limit = options.solve_limit;
+    return Design(detail::make_of_mesh<hmf_design>(progress, hmf_even_design, positions, triangles, all));
+}
+
+class ConformalScale : public Result<hmf_scale> {
+public:
+    using Result::Result;
+    Span<double> log_scale() const noexcept { return span(get()->log_scale, get()->triangle_count); }
+};
+
+/* hmf_conformal_scale */
+inline ConformalScale conformal_scale(const Foliation& foliation, const ProgressFunction& progress = nullptr) {
+    return ConformalScale(detail::make<hmf_scale>(progress, hmf_conformal_scale, foliation.get()));
+}
 
 /* hmf_parameterize_options; zero means the default. */
 struct ParameterizeOptions {
@@ -38,7 +95,7 @@ public:
 /* hmf_parameterize */
 inline Parameterization parameterize(const Foliation& foliation, const ParameterizeOptions& options = {},
                                      const ProgressFunction& progress = nullptr) {
-    hmf_parameterize_options all = detail::defaults(hmf_parameterize_options_init);
+    Options<hmf_parameterize_options, hmf_parameterize_options_init> all;
     all.tolerance = options.tolerance;
     all.seam_edges = options.seam_edges.data();
     all.seam_edge_count = options.seam_edges.size();
@@ -47,12 +104,6 @@ inline Parameterization parameterize(const Foliation& foliation, const Parameter
 
 using Line = hmf_line;
 
-enum class LeavesKind : int32_t {
-    automatic = HMF_LEAVES_DEFAULT,
-    foliation = HMF_LEAVES_FOLIATION,
-    conjugate = HMF_LEAVES_CONJUGATE
-};
-
 /* hmf_trace_options; zero means the default. */
 struct TraceOptions {
     bool critical = false;
@@ -60,7 +111,7 @@ struct TraceOptions {
     double length_limit = 0;
     std::vector<uint32_t> point_triangles;  /* point_count */
     std::vector<double> point_barycentrics; /* point_count x 3 */
-    LeavesKind leaves = LeavesKind::automatic;
+    hmf_leaves_kind leaves = HMF_LEAVES_DEFAULT;
 };
 
 class Leaves : public Result<hmf_lines> {
@@ -79,14 +130,14 @@ inline Leaves trace(const Foliation& foliation, const TraceOptions& options = {}
         throw Error(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, 0,
                     "There are " + std::to_string(options.point_barycentrics.size()) + " barycentric coordinates for "
                         + std::to_string(options.point_triangles.size()) + " points. Give three for each.");
-    hmf_trace_options all = detail::defaults(hmf_trace_options_init);
+    Options<hmf_trace_options, hmf_trace_options_init> all;
     all.critical = options.critical;
     all.spacing = options.spacing;
     all.length_limit = options.length_limit;
     all.point_count = options.point_triangles.size();
     all.point_triangles = options.point_triangles.data();
     all.point_barycentrics = options.point_barycentrics.data();
-    all.leaves = static_cast<int32_t>(options.leaves);
+    all.leaves = options.leaves;
     return Leaves(detail::make<hmf_lines>(progress, hmf_trace, foliation.get(), &all));
 }
 
@@ -128,7 +179,7 @@ inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options,
 
 /* edge_length 0: half as many quads as triangles */
 inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const ProgressFunction& progress = nullptr) {
-    hmf_quad_options options = detail::defaults(hmf_quad_options_init);
+    Options<hmf_quad_options, hmf_quad_options_init> options;
     options.edge_length = edge_length;
     return quads(foliation, options, progress);
 }
@@ -142,7 +193,7 @@ public:
 
 /* hmf_atlas; margin 0: 1/512 of the side of the square */
 inline Atlas atlas(const Foliation& foliation, double margin = 0, const ProgressFunction& progress = nullptr) {
-    hmf_atlas_options options = detail::defaults(hmf_atlas_options_init);
+    Options<hmf_atlas_options, hmf_atlas_options_init> options;
     options.margin = margin;
     return Atlas(detail::make<hmf_chart_set>(progress, hmf_atlas, foliation.get(), &options));
 }
@@ -201,7 +252,7 @@ public:
    HMF_ERROR_LOOP_INDEX if an element does not exist, HMF_ERROR_LOOP_NOT_CLOSED if a loop lies on
    several components. */
     std::vector<Loops> split(const Loops& whole) const {
-        const bool triangles = whole.kind == LoopElements::triangles;
+        const bool triangles = whole.kind == HMF_PATH_TRIANGLES;
         const uint32_t* const component = triangles ? get()->triangle_component : get()->vertex_component;
         const uint32_t* const number = triangles ? get()->triangle_part : get()->vertex_part;
         const uint64_t count = triangles ? get()->triangle_count : get()->vertex_count;
@@ -271,7 +322,8 @@ private:
                     // About a quarter of the time is the build.
                     const Hierarchy hierarchy(positions(k), triangles(k), build, from_to(done, done + share / 4));
                     const ProgressFunction rest = from_to(done + share / 4, done + share);
-                    row.solution = loops ? hierarchy.solve((*loops)[k], options, rest) : hierarchy.solve(options, rest);
+                    row.solution = loops ? hierarchy.solve((*loops)[k], options, rest)
+                                         : solve_cut_system(hierarchy, options, rest);
                     row.status = row.solution->status;
                     row.message = row.solution->message;
                     const Span<double> own = row.solution->foliation.values();

@@ -2,12 +2,14 @@
  * hmf.hpp - the C interface hmf.h as C++17 classes, header only
  *
  *     const hmf::Hierarchy hierarchy(positions, triangles);
- *     const hmf::Solution solution = hierarchy.solve();
+ *     hmf::Loops loops;
+ *     loops.add({0, 1, 2, 3});               // vertices along the loop
+ *     const hmf::Solution solution = hierarchy.solve(loops);
  *     solution.foliation.values();           // one value per edge
  *     solution.foliation.singularities();
  *
- * applications.hpp has what follows from a foliation.  hmf.h is the manual; these comments
- * only say what differs.
+ * applications.hpp has what applications.h has: loops chosen by the library, and what follows
+ * from a foliation.  hmf.h is the manual; these comments only say what differs.
  *
  *   errors    A call that fails throws hmf::Error with the status, the element
  *             and the message of hmf_error.  Limits do not throw: see
@@ -28,7 +30,7 @@
 #ifndef HMF_HMF_HPP
 #define HMF_HMF_HPP
 
-#include <hmf/applications.h>
+#include <hmf/hmf.h>
 
 #include <array>
 #include <cstddef>
@@ -96,63 +98,25 @@ private:
     std::size_t size_ = 0;
 };
 
-/* Answer of a progress function; finish: return the best foliation so far. */
-enum class Progress : int32_t {
-    proceed = HMF_PROGRESS_CONTINUE,
-    cancel = HMF_PROGRESS_CANCEL,
-    finish = HMF_PROGRESS_FINISH
+/* Called on the calling thread with a fraction that rises from 0 to 1; returns HMF_PROGRESS_*. */
+using ProgressFunction = std::function<hmf_progress(double)>;
+
+/* A structure of options with its defaults; zero means the default. */
+template <class T, void (*init)(T*, uint32_t)>
+struct Options : T {
+    Options() { init(this, sizeof(T)); }
 };
 
-/* Called on the calling thread with a fraction that rises from 0 to 1. */
-using ProgressFunction = std::function<Progress(double)>;
-
-enum class Collapse : int32_t {
-    automatic = HMF_COLLAPSE_DEFAULT,
-    midpoint = HMF_COLLAPSE_MIDPOINT,
-    endpoint = HMF_COLLAPSE_ENDPOINT,
-    qslim = HMF_COLLAPSE_QSLIM
+/* Positions are packed; marked vertices are borrowed until the call ends. */
+struct BuildOptions : Options<hmf_hierarchy_options, hmf_hierarchy_options_init> {
+    Span<uint32_t> marked_vertices;
 };
-
-enum class Method : int32_t {
-    automatic = HMF_METHOD_DEFAULT,
-    newton = HMF_METHOD_NEWTON,
-    whitehead = HMF_METHOD_WHITEHEAD,
-    single_level = HMF_METHOD_SINGLE_LEVEL,
-    paper = HMF_METHOD_PAPER
-};
-
-enum class LoopElements : int32_t { triangles = HMF_PATH_TRIANGLES, vertices = HMF_PATH_VERTICES };
-
-enum class LoopsKind : int32_t {
-    cut = HMF_LOOPS_CUT,
-    handle = HMF_LOOPS_HANDLE,
-    tunnel = HMF_LOOPS_TUNNEL,
-    pants = HMF_LOOPS_PANTS
-};
-
-class Foliation;
-
-/* The fields of the C structures; zero means the default.  Some have C++ types.  Positions are packed. */
-struct BuildOptions : hmf_hierarchy_options {
-    BuildOptions() { hmf_hierarchy_options_init(this, sizeof(hmf_hierarchy_options)); }
-    Collapse collapse = Collapse::automatic;
-    Span<uint32_t> marked_vertices; /* borrowed until the call ends */
-};
-struct SolveOptions : hmf_solve_options {
-    SolveOptions() { hmf_solve_options_init(this, sizeof(hmf_solve_options)); }
-    Method method = Method::automatic;
-    const Foliation* start = nullptr; /* instead of loops; borrowed until the call ends */
-};
-struct DesignOptions {
-    BuildOptions build; /* its marked vertices become part of the design */
-    bool no_poles = false;
-    uint64_t solve_limit = 0;
-};
+using SolveOptions = Options<hmf_solve_options, hmf_solve_options_init>;
 
 /* Closed curves on a level, with weights: hmf_loop_set with its own arrays. */
 struct Loops {
     std::size_t level = 0;
-    LoopElements kind = LoopElements::vertices;
+    hmf_path kind = HMF_PATH_VERTICES;
     std::vector<uint64_t> offsets = {0}; /* size() + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     std::vector<uint32_t> elements;
     std::vector<double> weights; /* size() */
@@ -209,17 +173,9 @@ struct Delete {
 template <class T>
 using Handle = std::unique_ptr<const T, Delete>;
 
-/* A structure with its defaults. */
-template <class T>
-T defaults(void (*init)(T*, uint32_t)) noexcept {
-    T structure;
-    init(&structure, sizeof structure);
-    return structure;
-}
-
 /* Threads of the innermost Threads object of this thread; zero: none. */
 inline hmf_control& lent() noexcept {
-    static thread_local hmf_control control = defaults(hmf_control_init);
+    static thread_local Options<hmf_control, hmf_control_init> control;
     return control;
 }
 
@@ -244,7 +200,7 @@ private:
         Reporter& self = *static_cast<Reporter*>(user);
         if (self.exception_) return HMF_PROGRESS_CANCEL;
         try {
-            return static_cast<int32_t>(self.function_(fraction));
+            return self.function_(fraction);
         } catch (...) {
             self.exception_ = std::current_exception();
             return HMF_PROGRESS_CANCEL;
@@ -295,7 +251,6 @@ Handle<T> make_of_mesh(const ProgressFunction& progress, Function* function, Spa
 
 inline hmf_hierarchy_options raw(const BuildOptions& options) {
     hmf_hierarchy_options all = options;
-    all.collapse = static_cast<int32_t>(options.collapse);
     all.position_stride = 0; /* packed */
     all.marked_vertices = options.marked_vertices.data();
     all.marked_count = options.marked_vertices.size();
@@ -316,7 +271,7 @@ inline hmf_loop_set raw(const Loops& loops) {
     if (!loops.offsets.empty()) check(loops.elements.size(), loops.offsets.back(), "elements of loops");
     hmf_loop_set set = {};
     set.struct_size = sizeof set;
-    set.element_kind = static_cast<int32_t>(loops.kind);
+    set.element_kind = loops.kind;
     set.level = loops.level;
     set.count = loops.size();
     set.offsets = loops.offsets.data();
@@ -331,7 +286,7 @@ inline hmf_loop_set raw(const Loops& loops) {
 inline Loops own(const hmf_loop_set& set) {
     Loops loops;
     loops.level = static_cast<std::size_t>(set.level);
-    loops.kind = static_cast<LoopElements>(set.element_kind);
+    loops.kind = static_cast<hmf_path>(set.element_kind);
     loops.offsets.assign(set.offsets, set.offsets + set.count + 1);
     loops.elements.assign(set.elements, set.elements + set.offsets[set.count]);
     loops.weights.assign(static_cast<std::size_t>(set.count), 1.0);
@@ -436,14 +391,6 @@ public:
         const auto made = detail::make<hmf_residual_set>(progress, hmf_residuals, get());
         return {made->values, made->values + made->vertex_count};
     }
-    /* One for each triangle. */
-    std::vector<double> conformal_scale(const ProgressFunction& progress = nullptr) const {
-        const auto made = detail::make<hmf_scale>(progress, hmf_conformal_scale, get());
-        return {made->log_scale, made->log_scale + made->triangle_count};
-    }
-    double unevenness(const ProgressFunction& progress = nullptr) const {
-        return detail::make<hmf_scale>(progress, hmf_conformal_scale, get())->unevenness;
-    }
     Singularities singularities(const ProgressFunction& progress = nullptr) const {
         return Singularities(detail::make<hmf_singularity_set>(progress, hmf_singularities, get()));
     }
@@ -471,10 +418,7 @@ namespace detail {
 template <class Function, class... Arguments>
 Solution solve(const SolveOptions& options, const ProgressFunction& progress, Function* function,
                const Arguments&... arguments) {
-    hmf_solve_options all = options;
-    all.method = static_cast<int32_t>(options.method);
-    all.start = options.start ? options.start->get() : nullptr;
-    const hmf_solve_options* const given = &all;
+    const hmf_solve_options* const given = &options;
     hmf_error error = {};
     Handle<hmf_foliation> handle = make_or_stop<hmf_foliation>(error, progress, function, arguments..., given);
     Report report(*hmf_foliation_report(handle.get()));
@@ -487,15 +431,6 @@ inline Solution Foliation::relax(const SolveOptions& options, const ProgressFunc
     return detail::solve(options, progress, hmf_relax, get());
 }
 
-/* Result of hmf_even_design. */
-struct Design {
-    std::vector<uint32_t> marked_vertices;
-    Loops loops; /* of level 0 */
-    double unevenness;
-    double unevenness_before;
-    uint64_t solves;
-};
-
 /* An immutable hierarchy of triangle meshes. */
 class Hierarchy {
 public:
@@ -504,30 +439,6 @@ public:
               const ProgressFunction& progress = nullptr) :
         handle_(detail::make_of_mesh<hmf_hierarchy>(progress, hmf_hierarchy_create, positions, triangles,
                                                     detail::raw(options))) {}
-
-    static std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
-                                               const BuildOptions& options = {},
-                                               const ProgressFunction& progress = nullptr) {
-        const auto set = detail::make_of_mesh<hmf_mark_set>(progress, hmf_suggest_marks, positions, triangles,
-                                                            detail::raw(options));
-        return {set->vertices, set->vertices + set->count};
-    }
-
-    /* hmf_even_design: marked vertices for the options of a hierarchy, and loops to solve for on it. */
-    static Design even_design(Span<double> positions, Span<uint32_t> triangles, const DesignOptions& options = {},
-                              const ProgressFunction& progress = nullptr) {
-        const hmf_hierarchy_options build = detail::raw(options.build);
-        hmf_design_options all = detail::defaults(hmf_design_options_init);
-        all.no_poles = options.no_poles;
-        all.build = &build;
-        all.solve_limit = options.solve_limit;
-        const auto made = detail::make_of_mesh<hmf_design>(progress, hmf_even_design, positions, triangles, all);
-        return {{made->marked_vertices, made->marked_vertices + made->marked_count},
-                detail::own(*made->loops),
-                made->unevenness,
-                made->unevenness_before,
-                made->solves};
-    }
 
     static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count,
                                     const BuildOptions& options = {}) {
@@ -554,10 +465,6 @@ public:
         return LevelMesh(detail::make<hmf_level_mesh>(progress, hmf_level, get(), level));
     }
 
-    /* hmf_loops, with weights 1 */
-    Loops loops(std::size_t level, LoopsKind kind = LoopsKind::cut, const ProgressFunction& progress = nullptr) const {
-        return detail::own(*detail::make<hmf_loop_set>(progress, hmf_loops, get(), level, static_cast<int32_t>(kind)));
-    }
     /* hmf_foliation_from_loops */
     Foliation initialize(const Loops& loops, const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
@@ -569,9 +476,8 @@ public:
                                                      values.size()));
     }
 
-    /* hmf_solve from options.start; without a start hmf_solve_cut_system. */
-    Solution solve(const SolveOptions& options = {}, const ProgressFunction& progress = nullptr) const {
-        if (!options.start) return detail::solve(options, progress, hmf_solve_cut_system, get());
+    /* hmf_solve from options.start. */
+    Solution solve(const SolveOptions& options, const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set* const none = nullptr;
         return detail::solve(options, progress, hmf_solve, get(), none);
     }

@@ -2,7 +2,7 @@
  * hmf/pool.hpp - the pool of hmf/pool.h as a C++17 class, header only
  *
  *     const hmf::Pool pool;                  // all processors
- *     const hmf::Solution solution = hierarchy.solve();
+ *     const hmf::Solution solution = hierarchy.solve(loops);
  *
  * Link hmf::pool beside hmf::hmf.
  */

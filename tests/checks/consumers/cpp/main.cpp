@@ -6,7 +6,7 @@
 
 int main() {
     const hmf::Hierarchy hierarchy = build();
-    const hmf::Solution solution = hierarchy.solve();
+    const hmf::Solution solution = hmf::solve_cut_system(hierarchy);
     if (solution.status != HMF_OK || energy(solution.foliation) != solution.foliation.energy()) return 1;
     const hmf::QuadMesh mesh = hmf::quads(solution.foliation);
     if (mesh->vertex_count != mesh->quad_count) return 1; // genus 1
