@@ -63,10 +63,8 @@ public:
         mesh_(mesh), condition_(condition), lengths_(lengths), reach_(reach), call_(call), memory_(call.memory),
         search_(cut_, length_, condition ? condition->label : nullptr, call) {}
 
-    // kept_loops: loops that the others must not meet, or NULL; the first of out.
-    hmf_status run(const double* position, const Loops* kept_loops, Loops& out) {
-        const uint32_t given = kept_loops ? static_cast<uint32_t>(kept_loops->count()) : 0;
-        const uint32_t wanted = given + (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
+    hmf_status run(const double* position, Loops& out) {
+        const uint32_t wanted = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
         out_ = &out;
         loop_.start(memory_);
         try_.start(memory_);
@@ -88,8 +86,6 @@ public:
         const double faces = mesh_.face_count, most = 5e6 + 12 * faces;
         const double usual = faces * (400 + 6.0 * wanted), budget = std::min(usual, most);
         uint32_t k = 0;
-        for (; k < given; ++k)
-            if (!add(kept_loops->loop(k), kept_loops->length(k))) return call_.out_of_memory();
         for (; k < wanted && is_permitted(k); ++k)
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();
         const uint32_t fixed = k;
@@ -560,13 +556,7 @@ private:
 hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition, ClassLengths& lengths,
                       Call& call, Loops& out, RootReach reach) {
     CutSystem system(mesh, condition, lengths, reach, call);
-    return system.run(position, nullptr, out);
-}
-
-hmf_status cut_system_beside(const Mesh& mesh, const double* position, const Loops& kept, ClassLengths& lengths,
-                             Call& call, Loops& out) {
-    CutSystem system(mesh, nullptr, lengths, RootReach::near, call);
-    return system.run(position, &kept, out);
+    return system.run(position, out);
 }
 
 hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out) {

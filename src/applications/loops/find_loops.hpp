@@ -29,9 +29,6 @@ enum class RootReach : uint8_t { near, far };
 // condition: NULL for none.
 [[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition,
                                     ClassLengths& lengths, Call& call, Loops& out, RootReach reach = RootReach::near);
-// The same beside disjoint loops that separate the surface; those are the first of out.
-[[nodiscard]] hmf_status cut_system_beside(const Mesh& mesh, const double* position, const Loops& kept,
-                                           ClassLengths& lengths, Call& call, Loops& out);
 // Measured on the mesh itself.
 [[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
 

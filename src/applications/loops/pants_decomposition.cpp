@@ -11,7 +11,7 @@
 //                                   Then the loop is shortened.
 //
 // Other candidates are short cycles with two holes or more on both sides, from the trees of shortest paths from regions
-// (signatures.hpp, loop_search.hpp): necks.
+// (signatures.hpp, loop_search.hpp).
 // Paths connect the cells of a Voronoi diagram of the holes: one for each piece of the border between two cells.
 //
 // Classes that come close are measured on a fine level once there are all loops,
@@ -25,9 +25,6 @@
 // essential, and parallel to no other loop.  To run along a marked vertex is to
 // cross each of its edges.
 //
-// The cut system does not cross short necks of handles (necks.hpp), which would
-// be in no pants decomposition then.  Those that it leaves free are candidates.
-//
 // Joining only marked vertices gives loops around pairs of them; cycles around other holes are no candidates then.
 #include "../../core/base/disjoint_sets.hpp"
 #include "../../core/base/heap_sort.hpp"
@@ -39,7 +36,6 @@
 #include "dual_length.hpp"
 #include "elementary_moves.hpp"
 #include "loop_search.hpp"
-#include "necks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,17 +50,13 @@ constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APAR
 constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
 constexpr size_t PANTS_MOST_CANDIDATES = 64;
-constexpr size_t MOST_WITH_NECKS = 16;     // genus
 constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
 constexpr int PANTS_MOST_ROUNDS = 8;       // of measuring and choosing again
 
 class Pants {
 public:
-    // necks: candidates as well, or NULL.
-    Pants(const Mesh& mesh, const double* position, bool marks_only, const Loops* necks, ClassLengths& lengths,
-          Loops& loops, Call& call) :
-        mesh_(mesh),
-        position_(position), marks_only_(marks_only), necks_(necks), lengths_(lengths), loops_(loops), call_(call),
+    Pants(const Mesh& mesh, const double* position, bool marks_only, ClassLengths& lengths, Loops& loops, Call& call) :
+        mesh_(mesh), position_(position), marks_only_(marks_only), lengths_(lengths), loops_(loops), call_(call),
         memory_(call.memory), search_(cut_, length_, nullptr, call) {}
 
     hmf_status run() {
@@ -422,26 +414,6 @@ private:
         return !added || (ids_.push(id) && strip_.push(strip));
     }
 
-    // Candidates that are no loop yet and meet none. Curves are other candidates after it.
-    Done offer_necks(size_t first) {
-        for (size_t c = 0; c < necks_->count(); ++c) {
-            bool are_disjoint = false, added = false, is_taken = false;
-            const Strip strip = {strips_.size(), necks_->length(c)};
-            for (size_t k = 0; k < strip.size; ++k)
-                if (!strips_.push(necks_->loop(c)[k])) return false;
-            if (!loops_.add(*necks_, c) || !last_is_disjoint(mesh_, loops_, curves_, call_, are_disjoint)) return false;
-            loops_.keep_first(loops_.count() - 1);
-            if (are_disjoint && !offer(first, strip, added)) return false;
-            for (const Choice& choice : choice_) is_taken |= added && ids_[choice.first + choice.taken] == ids_.back();
-            if (is_taken) {
-                ids_.pop();
-                strip_.pop();
-            }
-            while ((!added || is_taken) && strips_.size() > strip.first) strips_.pop();
-        }
-        return true;
-    }
-
     // Of the candidates the one with the shortest class.
     Done choose() {
         const size_t first = ids_.size();
@@ -460,7 +432,6 @@ private:
             if (!offer(first, {begin, strips_.size() - begin}, added)) return false;
             while (!added && strips_.size() > begin) strips_.pop();
         }
-        if (necks_ && !offer_necks(first)) return false;
         if (!lengths_.look_beside(&ids_[first], ids_.size() - first)) return false;
         return choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
     }
@@ -528,7 +499,6 @@ private:
     const Mesh& mesh_;
     const double* position_;
     const bool marks_only_;
-    const Loops* const necks_;
     ClassLengths& lengths_;
     Loops& loops_;
     Call& call_;
@@ -568,40 +538,18 @@ private:
 
 } // namespace
 
-// The first loops after the others.
-static hmf_status put_last(const Loops& loops, size_t first, Call& call, Loops& out) {
-    if (!out.start(call.memory)) return call.out_of_memory();
-    const size_t count = loops.count();
-    for (size_t c = 0; c < count; ++c)
-        if (!out.add(loops, (c + first) % count)) return call.out_of_memory();
-    return HMF_OK;
-}
-
 hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
                                Loops& out) {
     const RootReach reach = lengths.care() == LoopCare::quick ? RootReach::near : RootReach::far;
     hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out, reach);
     if (status) return status;
-    Loops necks;
-    bool crossed = false;
-    const size_t genus = out.count();
-    const bool with_necks = lengths.has_pulled() && genus > 1 && genus < MOST_WITH_NECKS;
-    if (with_necks) {
-        status = find_necks(mesh, position, out, lengths, call, necks, crossed);
-        if (!status && crossed) { // again, beside them
-            Loops both;
-            status = cut_system_beside(mesh, position, necks, lengths, call, both);
-            if (!status) status = put_last(both, necks.count(), call, out);
-        }
-        if (status) return status;
-    }
-    Pants pants(mesh, position, false, with_necks && !crossed ? &necks : nullptr, lengths, out, call);
+    Pants pants(mesh, position, false, lengths, out, call);
     return pants.run();
 }
 
 hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out) {
     if (!out.start(call.memory)) return call.out_of_memory();
-    Pants pants(mesh, position, true, nullptr, lengths, out, call);
+    Pants pants(mesh, position, true, lengths, out, call);
     return pants.run();
 }
 
