@@ -176,17 +176,19 @@ private:
         if (rows.rank() != g) return not_embedded();
         // (J^-1 V) = (-T^-T V_b ; T^-1 V_a), by substitution.
         if (!condition_.allocate(call_.memory, n * n)) return call_.out_of_memory();
-        for (size_t j = 0; j < n; ++j) {
-            for (size_t i = 0; i < g; ++i) { // T^T X = -V_b
-                uint64_t x = uint64_t{0} - V(g + i, j);
-                for (size_t k = 0; k < i; ++k) x -= T(k, i) * condition_[n * k + j];
-                condition_[n * i + j] = x * T(i, i);
-            }
-            for (size_t i = g; i-- > 0;) { // T X = V_a
-                uint64_t x = V(i, j);
-                for (size_t k = i + 1; k < g; ++k) x -= T(i, k) * condition_[n * (g + k) + j];
-                condition_[n * (g + i) + j] = x * T(i, i);
-            }
+        const auto row = [&](size_t i) { return &condition_[n * i]; };
+        const auto subtract = [&](size_t from, uint64_t factor, size_t i) { // most factors are 0
+            for (size_t j = 0; factor && j < n; ++j) row(i)[j] -= factor * row(from)[j];
+        };
+        for (size_t i = 0; i < g; ++i) { // T^T X = -V_b
+            for (size_t j = 0; j < n; ++j) row(i)[j] = uint64_t{0} - V(g + i, j);
+            for (size_t k = 0; k < i; ++k) subtract(k, T(k, i), i);
+            for (size_t j = 0; j < n; ++j) row(i)[j] *= T(i, i);
+        }
+        for (size_t i = g; i-- > 0;) { // T X = V_a
+            for (size_t j = 0; j < n; ++j) row(g + i)[j] = V(i, j);
+            for (size_t k = i + 1; k < g; ++k) subtract(g + k, T(i, k), g + i);
+            for (size_t j = 0; j < n; ++j) row(g + i)[j] *= T(i, i);
         }
         return HMF_OK;
     }
@@ -210,10 +212,14 @@ private:
     hmf_status make_labels(const Loops& a, const Loops& b) {
         const size_t n = form_.size, g = n / 2;
         if (!label_.allocate_filled(call_.memory, mesh_.edge_count, uint64_t{0})) return call_.out_of_memory();
+        Array<uint64_t> random;
+        uint64_t seed = 0;
+        if (!random.allocate(call_.memory, n)) return call_.out_of_memory();
+        for (uint64_t& word : random) word = random_word(seed);
         for (size_t k = 0; k < n; ++k) {
-            uint64_t seed = 0, factor = 0;
+            uint64_t factor = 0;
             assert(g > 0);
-            for (size_t j = 0; j < n; ++j) factor += condition_[n * k + j] * random_word(seed);
+            for (size_t j = 0; j < n; ++j) factor += condition_[n * k + j] * random[j];
             const Loops& loops = k < g ? a : b;
             add_left_path(mesh_, loops.loop(k % g), loops.length(k % g), factor, label_.data());
         }
@@ -238,14 +244,16 @@ private:
                 number[n * c + k] = crossing_sum(found.loop(c), found.length(c), chain.data());
             add_left_path(mesh_, path, length, ~uint64_t{0}, chain.data());
         }
-        for (size_t c = 0; c < g; ++c)
-            for (size_t j = 0; j < n; ++j) {
-                uint64_t sum = 0;
-                for (size_t k = 0; k < n; ++k) sum += number[n * c + k] * condition_[n * k + j];
-                if (sum)
+        Array<uint64_t> sum; // per column
+        for (size_t c = 0; c < g; ++c) {
+            if (!sum.allocate_filled(call_.memory, n, uint64_t{0})) return call_.out_of_memory();
+            for (size_t k = 0; k < n; ++k)
+                for (size_t j = 0; number[n * c + k] && j < n; ++j) sum[j] += number[n * c + k] * condition_[n * k + j];
+            for (const uint64_t x : sum)
+                if (x)
                     return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, c,
                                       "A loop bounds on neither side. Please report this.");
-            }
+        }
         return HMF_OK;
     }
 
