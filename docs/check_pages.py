@@ -30,7 +30,7 @@ ANSWERS = {
     "draw a loop": "Loops.through(hierarchy",
     "make quads": "hmf quads mesh.obj",
     "mark vertices": "--marks marks.txt",
-    "reverse a flip without a pole": "**after a flip every index is unchanged",
+    "reverse a flip without a pole": "**a flip makes no pole**",
     "cite": "family-names: Wang",
     "ask a question": "template \"Question\"",
 }
