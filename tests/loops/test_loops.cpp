@@ -754,7 +754,7 @@ TEST(Disjoint, TheLastOneAlone) {
         ASSERT_TRUE(cut.add(others, k));
         bool all = false, last = false;
         ASSERT_TRUE(hmf::disjoint(mesh, cut, 0, cut.count(), curves, nullptr, c.call, all));
-        ASSERT_TRUE(hmf::last_is_disjoint(mesh, cut, curves, c.call, last));
+        ASSERT_TRUE(hmf::one_is_disjoint(mesh, cut, cut.count() - 1, curves, c.call, last));
         EXPECT_EQ(last, all) << k;
         yes += all;
         cut.keep_first(cut.count() - 1);

@@ -310,7 +310,7 @@ private:
         if (lengths_.has_pulled()) {
             bool are_disjoint = false;
             if (!out_->add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id))
-                || !last_is_disjoint(mesh_, *out_, test_, call_, are_disjoint))
+                || !one_is_disjoint(mesh_, *out_, out_->count() - 1, test_, call_, are_disjoint))
                 return false;
             if (are_disjoint) return curves_.add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id));
             out_->keep_first(out_->count() - 1);

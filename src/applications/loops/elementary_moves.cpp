@@ -351,7 +351,9 @@ private:
             if (c != curve[0] && (count < 2 || c != curve[1]) && !changed.add(loops_, c)) return false;
         done = true;
         for (uint32_t i = 0; done && i < count; ++i)
-            if (!changed.add(strip[i], size[i]) || !last_is_disjoint(mesh_, changed, test_, call_, done)) return false;
+            if (!changed.add(strip[i], size[i])
+                || !one_is_disjoint(mesh_, changed, changed.count() - 1, test_, call_, done))
+                return false;
         if (!done) return true;
         for (size_t c = 0; c < loops_.count(); ++c) {
             const size_t i = c == curve[0] ? 0 : count > 1 && c == curve[1] ? 1 : 2;
@@ -398,7 +400,7 @@ private:
                 if (apart) continue;
                 if (!two.start(memory_) || !two.add(loops_, c)
                     || !two.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                    || !last_is_disjoint(mesh_, two, test_, call_, apart))
+                    || !one_is_disjoint(mesh_, two, 1, test_, call_, apart))
                     return false;
                 if (apart) continue;
                 is_pulled[c] = 1;

@@ -443,7 +443,7 @@ private:
         if (lengths_.has_pulled()) {
             const uint32_t id = ids_[at];
             if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                || !last_is_disjoint(mesh_, loops_, curves_, call_, are_disjoint))
+                || !one_is_disjoint(mesh_, loops_, loops_.count() - 1, curves_, call_, are_disjoint))
                 return call_.out_of_memory();
             if (!are_disjoint) loops_.keep_first(loops_.count() - 1);
         }

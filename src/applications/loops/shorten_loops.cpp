@@ -1,6 +1,6 @@
 // Shortens loops within their classes, one after another: each becomes the shortest in a strip around it that the
 // others do not enter (annulus.hpp).
-#include "../../core/base/cyclic.hpp"
+#include "../../core/base/heap_sort.hpp"
 #include "annulus.hpp"
 
 #include "../../core/curves/disjoint.hpp"
@@ -27,9 +27,10 @@ public:
 
     hmf_status run(size_t first) {
         const size_t n = loops_.count();
-        if (!curves_.allocate(mesh_, call_.memory)) return call_.out_of_memory();
+        if (!curves_.allocate(mesh_, call_.memory) || !test_.allocate(mesh_, call_.memory))
+            return call_.out_of_memory();
         bool are_disjoint = false;
-        if (!disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_, are_disjoint)) return call_.out_of_memory();
+        if (!disjoint(mesh_, loops_, 0, n, curves_, nullptr, call_, are_disjoint)) return call_.out_of_memory();
         if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
                               "Carried loops are not disjoint. Please report this.");
@@ -45,27 +46,49 @@ public:
     }
 
 private:
-    // Where loop c passes between the other loops, in its own direction.
+    struct Own { // crossing of the loop, from the origin of half-edge 2 * edge
+        uint32_t edge, position;
+    };
+
+    // Where loop c passes between the other loops. The crossing numbers of all loops tell: of the curves that cross its
+    // first edge, it is the one that goes on as the loop does.
     Done find_places(size_t c) {
-        uint32_t component = 0;
-        while (loop_of_[component] != c) ++component;
-        const uint64_t first = curves_.components.offsets[component], end = curves_.components.offsets[component + 1];
-        const uint32_t* const traced = curves_.components.crossings.data() + first;
-        const size_t n = static_cast<size_t>(end - first);
-        const bool same = same_cycle(traced, loops_.crossings.data() + loops_.offsets[c], n);
+        const uint32_t* const loop = loops_.loop(c);
+        const size_t n = loops_.length(c);
         if (!places_.allocate(call_.memory, n)) return false;
-        uint32_t h = traced[0], p = curves_.begin[component] - curves_.first[edge_of(h)];
-        if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
-        for (size_t k = 0; k < n; ++k) {
-            const uint32_t e = edge_of(h), all = curves_.count[e];
-            uint32_t before = 0, others = 0; // others between the origin and the loop; all others
-            for (uint32_t q = 0; q < all; ++q) {
-                if (curves_.strand[curves_.first[e] + (h & 1u ? all - 1 - q : q)] / 2 == component) continue;
-                ++others;
-                before += q < p;
+        for (uint32_t place = 0; place < curves_.count[edge_of(loop[0])]; ++place) {
+            uint32_t h = loop[0], p = place;
+            size_t k = 0;
+            for (; k < n && h == loop[k]; ++k) {
+                places_[k] = {h, p};
+                curves_.step(mesh_, h, p);
             }
-            places_[same ? k : n - 1 - k] = same ? Annulus::Place{h, before} : Annulus::Place{twin(h), others - before};
-            curves_.step(mesh_, h, p);
+            if (!call_.work(4 * (k + 1))) return false;
+            if (k == n && h == loop[0] && p == place) break;
+        }
+        return leave_out_own();
+    }
+
+    // Of the places, those between the other loops: without the crossings of the loop itself.
+    Done leave_out_own() {
+        own_.start(call_.memory);
+        for (const Annulus::Place& place : places_) {
+            const uint32_t h = place.half_edge, e = edge_of(h);
+            if (!own_.push({e, h & 1u ? curves_.count[e] - 1 - place.position : place.position})) return false;
+        }
+        heap_sort(own_.data(), own_.size(), [](const Own& a, const Own& b) {
+            return a.edge != b.edge ? a.edge < b.edge : a.position < b.position;
+        });
+        for (Annulus::Place& place : places_) {
+            const uint32_t h = place.half_edge, e = edge_of(h), all = curves_.count[e];
+            const Own here = {e, h & 1u ? all - 1 - place.position : place.position};
+            const Own* const at = std::lower_bound(own_.begin(), own_.end(), here, [](const Own& a, const Own& b) {
+                return a.edge != b.edge ? a.edge < b.edge : a.position < b.position;
+            });
+            uint32_t below = 0, above = 0;
+            for (const Own* o = at; o != own_.begin() && (o - 1)->edge == e; --o) ++below;
+            for (const Own* o = at + 1; o != own_.end() && o->edge == e; ++o) ++above;
+            place.position -= h & 1u ? above : below;
         }
         return true;
     }
@@ -98,14 +121,12 @@ private:
             if (!(k == c ? changed.add(found_.data() + from, to - from) : changed.add(loops_, k)))
                 return call_.out_of_memory();
         bool sound = false;
-        if (!disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_, sound))
-            return call_.out_of_memory();
-        if (sound) {
-            again = after < before * (1 - SHORTEN_LITTLE);
-            loops_.swap(changed);
-        } else if (!disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_, sound)) {
-            return call_.out_of_memory();
-        }
+        if (!one_is_disjoint(mesh_, changed, c, test_, call_, sound)) return call_.stopped();
+        if (!sound) return HMF_OK;
+        for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
+        if (!curves_.add(found_.data() + from, to - from)) return call_.out_of_memory();
+        again = after < before * (1 - SHORTEN_LITTLE);
+        loops_.swap(changed);
         return HMF_OK;
     }
 
@@ -115,8 +136,9 @@ private:
     size_t width_, more_;
     DualLength length_;
     Annulus annulus_;
-    Multicurve curves_;
-    Array<uint32_t> loop_of_, found_;
+    Multicurve curves_, test_; // curves_: the crossing numbers of all loops
+    Array<uint32_t> found_;
+    Array<Own> own_;
     Array<Annulus::Place> places_;
 };
 

@@ -100,14 +100,13 @@ Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, M
     return answer = true;
 }
 
-Done last_is_disjoint(const Mesh& mesh, const Loops& loops, Multicurve& curves, Call& call, bool& answer) {
-    const size_t last = loops.count() - 1;
+Done one_is_disjoint(const Mesh& mesh, const Loops& loops, size_t one, Multicurve& curves, Call& call, bool& answer) {
     Loops near;
     curves.clear();
-    if (!near.start(call.memory) || !curves.add(loops.loop(last), loops.length(last))) return false;
-    for (size_t c = 0; c <= last; ++c) {
+    if (!near.start(call.memory) || !curves.add(loops.loop(one), loops.length(one))) return false;
+    for (size_t c = 0; c < loops.count(); ++c) {
         if (!call.work(1 + loops.length(c))) return false;
-        bool meets = c == last;
+        bool meets = c == one;
         for (size_t i = 0; i < loops.length(c) && !meets; ++i) meets = curves.count[edge_of(loops.loop(c)[i])] > 0;
         if (meets && !near.add(loops, c)) return false;
     }

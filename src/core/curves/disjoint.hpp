@@ -10,8 +10,8 @@ namespace hmf {
 Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
               Array<uint32_t>* loop_of, Call& call, bool& answer);
 
-// Tests whether the last loop is simple and disjoint from the earlier ones, which must be simple and disjoint. Only
+// Tests whether one loop is simple and disjoint from the others, which must be simple and disjoint. Only
 // loops that share an edge with it are examined. curves: allocated; its contents are unspecified afterwards.
-Done last_is_disjoint(const Mesh& mesh, const Loops& loops, Multicurve& curves, Call& call, bool& answer);
+Done one_is_disjoint(const Mesh& mesh, const Loops& loops, size_t one, Multicurve& curves, Call& call, bool& answer);
 
 } // namespace hmf
