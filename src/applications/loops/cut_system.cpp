@@ -82,9 +82,8 @@ public:
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
-        // Regions settled in all searches: linear in the faces on large meshes.
-        const double faces = mesh_.face_count, most = 5e6 + 12 * faces;
-        const double usual = faces * (400 + 6.0 * wanted), budget = std::min(usual, most);
+        const double usual = mesh_.face_count * (400 + 6.0 * wanted);
+        const double budget = std::min(usual, search_budget(mesh_.face_count));
         uint32_t k = 0;
         for (; k < wanted && is_permitted(k); ++k)
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();

@@ -122,6 +122,7 @@ private:
         const uint32_t n = static_cast<uint32_t>(loops_.count());
         for (uint32_t k = 0; k < n; ++k) {
             if (!call_.tick(0, true)) return false;
+            if (static_cast<double>(search_.work() + second_search_.work()) >= search_budget(mesh_.face_count)) break;
             if (!in_pairs && alone_[k] && !try_one(k)) return false;
             for (uint32_t l = k + 1; in_pairs && l < n; ++l)
                 if ((paired_[k] || paired_[l]) && components_.touch(k, l) && !try_two(k, l)) return false;
@@ -144,9 +145,8 @@ private:
     // Curves around two holes.
     Done find_joins(const Component& component) {
         const size_t begin = options_.size();
-        if (!joins_.find(component, join_, memory_)) return false;
+        if (!joins_.find(component.surface, component.is_hole, MOVE_FURTHER, join_, call_)) return false;
         for (size_t i = 0; i < join_.size() && options_.size() < begin + MOST_OPTIONS; ++i) {
-            if (join_[i].length > MOVE_FURTHER * join_[0].length) break;
             const size_t first = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == first) continue;

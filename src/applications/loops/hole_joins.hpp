@@ -3,15 +3,16 @@
 //        A ---- way ---- B        along A, over to B, along B and back
 //
 // The paths connect the cells of the Voronoi diagram of the holes, one for each piece of the border between two cells.
-// Curves round different holes are
-// disjoint: each lies in the cells of its own.
+// Curves around different holes are disjoint: each lies in the cells of its own.
 #pragma once
 
 #include "../../core/base/nearest_first.hpp"
+#include "../../core/base/disjoint_sets.hpp"
 #include "cell_borders.hpp"
-#include "pants_component.hpp"
 
 namespace hmf {
+
+enum HoleKind : uint8_t { NO_HOLE, HOLE_JOINED, HOLE_LEFT_ALONE };
 
 class HoleJoins {
 public:
@@ -23,8 +24,11 @@ public:
         uint32_t corner[2]; // half-segments that begin at the holes, where the way begins and ends
         uint32_t middle;    // half-segment that the way crosses between the cells; NONE: the corners lie in one region
     };
-    // Shortest first.  In a piece with three holes they would go around the third one, and there is none.
-    Done find(const Component& component, Array<Join>& found, Memory& memory);
+    // Shortest first, none longer than the first one by more than the factor `further`. In a piece with three holes they
+    // would go around the third one, and there is none. holes: per point HoleKind.
+    Done find(const CutSurface& surface, const Array<uint8_t>& holes, double further, Array<Join>& found, Call& call);
+    // Holes of the piece in which a region lies.
+    uint32_t holes_around(uint32_t region) { return holes_[find_root(piece_.data(), region)]; }
     // The half-edges that the curve crosses, at the end of strip.
     Done walk(const Join& join, Array<uint32_t>& strip, Memory& memory) const;
 
@@ -33,9 +37,11 @@ private:
     uint32_t owner(uint32_t region) const { return begin_of(corner_[region]); }
     uint32_t next_in_region(uint32_t half_segment) const;
     double measure_round(uint32_t corner) const;
-    Done count_holes(Memory& memory);
-    Done spread(Memory& memory);
-    Done find_borders(Array<Join>& found, Memory& memory);
+    bool is_joined(uint32_t point) const { return (*is_hole_)[point] == HOLE_JOINED; }
+    Done count_holes(Call& call);
+    Done spread(double further, Call& call);
+    Done grow_cells(double least, double further, Call& call);
+    Done find_borders(Array<Join>& found, Call& call);
     Join contact(uint32_t segment) const;
     Done go_round(uint32_t corner, Array<uint32_t>& walk) const;
 

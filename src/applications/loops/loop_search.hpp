@@ -24,6 +24,10 @@
 
 namespace hmf {
 
+// Regions that all searches for one set of loops may settle: linear in the faces on large meshes. Then the best loops
+// found so far are taken.
+inline double search_budget(uint32_t faces) { return 5e6 + 12.0 * faces; }
+
 class LoopSearch {
 public:
     // edge_length: per edge.  edge_label: of a LoopCondition, or NULL.

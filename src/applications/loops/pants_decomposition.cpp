@@ -10,9 +10,11 @@
 //                                   class of these is taken (class_lengths.hpp).
 //                                   Then the loop is shortened.
 //
-// Other candidates are short cycles with two holes or more on both sides, from the trees of shortest paths from regions
-// (signatures.hpp, loop_search.hpp).
-// Paths connect the cells of a Voronoi diagram of the holes: one for each piece of the border between two cells.
+// hole_joins.hpp finds these. Other candidates are short cycles with two holes or more on both sides, from the trees of
+// shortest paths from regions (signatures.hpp, loop_search.hpp).
+//
+// Where many loops are left, a search serves for several of them: the shortest candidates that pass no triangle of each
+// other. So a surface of large genus is cut and searched a number of times that grows with the logarithm of its genus.
 //
 // Classes that come close are measured on a fine level once there are all loops,
 // and from the first choice that was wrong on it is made again.
@@ -26,15 +28,13 @@
 // cross each of its edges.
 //
 // Joining only marked vertices gives loops around pairs of them; cycles around other holes are no candidates then.
-#include "../../core/base/disjoint_sets.hpp"
 #include "../../core/base/heap_sort.hpp"
-#include "../../core/base/nearest_first.hpp"
-#include "cell_borders.hpp"
 #include "class_lengths.hpp"
 #include "../../core/curves/cut_surface.hpp"
 #include "../../core/curves/disjoint.hpp"
 #include "dual_length.hpp"
 #include "elementary_moves.hpp"
+#include "hole_joins.hpp"
 #include "loop_search.hpp"
 
 #include <algorithm>
@@ -50,77 +50,46 @@ constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APAR
 constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
 constexpr size_t PANTS_MOST_CANDIDATES = 64;
-constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
-constexpr int PANTS_MOST_ROUNDS = 8;       // of measuring and choosing again
+constexpr size_t BATCH_SHARE = 48;          // loops left for each loop of a batch
+constexpr double PANTS_BATCH = PANTS_ROOTS; // longer than the shortest of the batch by at most this
+constexpr uint64_t PANTS_MOST_STEPS = 100;  // as in cut_system.cpp
+constexpr int PANTS_MOST_ROUNDS = 8;        // of measuring and choosing again
 
 class Pants {
 public:
     Pants(const Mesh& mesh, const double* position, bool marks_only, ClassLengths& lengths, Loops& loops, Call& call) :
         mesh_(mesh), position_(position), marks_only_(marks_only), lengths_(lengths), loops_(loops), call_(call),
-        memory_(call.memory), search_(cut_, length_, nullptr, call) {}
+        memory_(call.memory), joins_(mesh, length_), search_(cut_, length_, nullptr, call) {}
 
     hmf_status run() {
-        if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
+        if (!curves_.allocate(mesh_, memory_) || !test_.allocate(mesh_, memory_)
+            || !length_.allocate(memory_, mesh_.edge_count) || !stamped_.allocate_filled(memory_, mesh_.face_count, 0u)
             || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0))
             return call_.out_of_memory();
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         const size_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
         const size_t holes = 3 * genus + mesh_.marked_count; // 3 fewer are needed
-        const size_t wanted = !marks_only_ ? (holes > 3 ? holes - 3 : 0) : holes == 4 ? 1 : holes / 2;
-        const size_t given = loops_.count();
+        wanted_ = !marks_only_ ? (holes > 3 ? holes - 3 : 0) : holes == 4 ? 1 : holes / 2;
+        given_ = loops_.count();
         choice_.start(memory_);
         ids_.start(memory_);
         strip_.start(memory_);
         strips_.start(memory_);
-        candidates_.start(memory_);
-        sides_.start(memory_);
         cycles_.start(memory_);
-        hole_.start(memory_);
         cycle_.start(memory_);
         mark_word_.start(memory_);
-        // Regions settled in all searches: linear in the faces on large meshes.
-        const double budget = 5e6 + 12.0 * mesh_.face_count;
-        const bool moves = !marks_only_ && lengths_.care() == LoopCare::shortest;
-        uint64_t steps = 0;
+        steps_ = 0;
         for (int round = 0; round < PANTS_MOST_ROUNDS; ++round) {
-            for (; loops_.count() < wanted; ++steps) {
-                if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
-                    return call_.was_cancelled();
-                if (cut()) return call_.status();
-                const size_t made = loops_.count() - given;
-                allowed_ = budget * (0.3 + 0.7 * static_cast<double>(made + 1) / static_cast<double>(wanted - given));
-                if (!spread() || !find_candidates()) return call_.stopped();
-                if (candidates_.empty())
-                    return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
-                                      "No further loop was found. Please report this.");
-                if (!choose()) return call_.stopped();
-                const hmf_status status = take_last();
-                if (status) return status;
-            }
+            while (loops_.count() < wanted_)
+                if (const hmf_status status = add_batch()) return status;
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
             if (!changed || round + 1 == PANTS_MOST_ROUNDS) break; // the last round keeps what it has
-            for (size_t k = 0; k < choice_.size(); ++k) {
-                Choice& choice = choice_[k];
-                const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
-                if (taken == choice.taken) continue;
-                if (steps + choice_.size() - k > PANTS_MOST_STEPS + choice_.size() + choice_.size() / 2) break;
-                choice.taken = taken;
-                while (choice_.size() > k + 1) choice_.pop();
-                while (ids_.size() > choice_.back().end) {
-                    ids_.pop();
-                    strip_.pop();
-                }
-                loops_.keep_first(given + k);
-                for (double& bound : face_bound_) bound = 0;
-                const hmf_status status = take_last();
-                if (status) return status;
-                break;
-            }
+            if (const hmf_status status = choose_again()) return status;
         }
-        if (loops_.count() == given) return HMF_OK;
-        if (moves) {
+        if (loops_.count() == given_) return HMF_OK;
+        if (!marks_only_ && lengths_.care() == LoopCare::shortest) {
             const hmf_status status = shorten_by_moves(mesh_, position_, lengths_, call_, loops_);
             if (status) return status;
         }
@@ -128,202 +97,72 @@ public:
     }
 
 private:
-    // A side of a loop (2 * component, + 1 for the right one), after one of its crossings: the region there.
-    // Marked vertices follow as further sides; the crossing is a half-edge out of it then.
-    struct Seed {
-        uint32_t side, crossing, region;
-    };
-    struct Pair {
-        uint32_t a, b;
-    }; // of seeds
-    struct Candidate {
-        double length; // estimated
-        Pair pair;
-        uint32_t middle; // half-segment
-    };
     struct Strip { // in strips_
         size_t first, size;
+        uint32_t holes; // of the piece that it is in; for quick ones
     };
     struct Choice { // of ids_[first] .. ids_[end - 1]
         size_t first, end, taken;
     };
+
+    // The next loop, and other candidates of the same search.
+    hmf_status add_batch() {
+        if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted_), true))
+            return call_.was_cancelled();
+        const double made = static_cast<double>(loops_.count() - given_ + 1);
+        allowed_ = search_budget(mesh_.face_count) * (0.3 + 0.7 * made / static_cast<double>(wanted_ - given_));
+        const size_t batch = 1 + (wanted_ - loops_.count()) / BATCH_SHARE, first_loop = loops_.count();
+        if (cut()) return call_.status();
+        if (!joins_.find(cut_, holes_, PANTS_FURTHER, join_, call_)) return call_.stopped();
+        if (join_.empty())
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
+                              "No further loop was found. Please report this.");
+        if (!choose(batch)) return call_.stopped();
+        const Choice all = choice_.back();
+        for (bool any = true; any;) {
+            if (!take_last()) return call_.stopped();
+            any = loops_.count() < std::min(wanted_, first_loop + batch);
+            if (any && !choose_beside(all, first_loop, any)) return call_.stopped();
+        }
+        return shorten_new(first_loop);
+    }
+
+    hmf_status shorten_new(size_t first) { return shorten_loops(mesh_, position_, first, 2, 1, call_, loops_); }
+
+    // From the first choice on that was wrong.
+    hmf_status choose_again() {
+        for (size_t k = 0; k < choice_.size(); ++k) {
+            Choice& choice = choice_[k];
+            const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
+            if (taken == choice.taken) continue;
+            if (steps_ + choice_.size() - k > PANTS_MOST_STEPS + choice_.size() + choice_.size() / 2) break;
+            choice.taken = taken;
+            while (choice_.size() > k + 1) choice_.pop();
+            while (ids_.size() > choice_.back().end) {
+                ids_.pop();
+                strip_.pop();
+            }
+            loops_.keep_first(given_ + k);
+            for (double& bound : face_bound_) bound = 0;
+            return take_last() ? shorten_new(given_ + k) : call_.stopped();
+        }
+        return HMF_OK;
+    }
+
     hmf_status cut() {
         const size_t n = loops_.count();
         bool are_disjoint = false;
         if (!disjoint(mesh_, loops_, 0, n, curves_, nullptr, call_, are_disjoint)) return call_.out_of_memory();
         if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, n, "Loops are not disjoint. Please report this.");
-        if (!cut_.build(mesh_, curves_, true, call_) || !piece_.allocate(memory_, cut_.region_count)
-            || !holes_.allocate_filled(memory_, cut_.region_count, 0u)
-            || !around_.allocate_filled(memory_, 2 * n + mesh_.marked_count, 0.0))
+        if (!cut_.build(mesh_, curves_, true, call_)
+            || !holes_.allocate_filled(memory_, cut_.point_count, uint8_t{NO_HOLE}))
             return call_.stopped();
-        for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
-        for (size_t s = 0; s < cut_.segment_count; ++s)
-            unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
-        if (!call_.work(32 * uint64_t{cut_.segment_count})) return call_.was_cancelled();
-        for (size_t k = 0; k < n; ++k) {
-            for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i)
-                around_[2 * k] += length_[edge_of(curves_.components.crossings[i])];
-            around_[2 * k + 1] = around_[2 * k];
+        for (uint32_t p = 0; p < cut_.point_count; ++p) {
+            if (p < mesh_.marked_count) holes_[p] = HOLE_JOINED;
+            if (p >= mesh_.vertex_count) holes_[p] = marks_only_ ? HOLE_LEFT_ALONE : HOLE_JOINED;
         }
         return HMF_OK;
-    }
-
-    Done add_seed(uint32_t side, uint32_t crossing, uint32_t region, bool& counted) {
-        if (!counted) ++holes_[find_root(piece_.data(), region)];
-        counted = true;
-        if (marks_only_ && side < 2 * curves_.components.count()) return true;
-        const uint32_t seed = static_cast<uint32_t>(seeds_.size());
-        if (!seeds_.push({side, crossing, region})) return false;
-        if (seed_[region] == NONE) {
-            seed_[region] = seed;
-            distance_[region] = 0;
-        } else if (seeds_[seed_[region]].side != side) {
-            return pairs_.push({seed_[region], seed});
-        }
-        return true;
-    }
-
-    // Of its edge, the one where the half-edge begins.
-    uint32_t segment_at_origin(uint32_t h) const {
-        const uint32_t e = edge_of(h);
-        return cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
-    }
-
-    // The regions around a marked vertex.
-    Done seed_mark(uint32_t v) {
-        bool counted = false;
-        for (const uint32_t h : mesh_.around(v)) {
-            if (!call_.work(16)) return false;
-            const uint32_t segment = segment_at_origin(h);
-            const uint32_t side = 2 * static_cast<uint32_t>(curves_.components.count()) + v;
-            if (!add_seed(side, h, cut_.region[2 * size_t{segment} + (h & 1u)], counted)) return false;
-        }
-        return true;
-    }
-
-    // A seed after each crossing of a loop, on both of its sides.
-    Done seed_loop(uint32_t k) {
-        const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
-        uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
-        if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
-        bool counted[2] = {false, false};
-        for (uint64_t i = first; i < end; ++i) {
-            if (!call_.work(32)) return false;
-            // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
-            const uint32_t e = edge_of(h), count = curves_.count[e];
-            for (uint32_t right = 0; right < 2; ++right) {
-                const uint32_t q = right ? p : p + 1;
-                const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
-                const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
-                if (!add_seed(2 * k + right, static_cast<uint32_t>(i - first), r, counted[right])) return false;
-            }
-            curves_.step(mesh_, h, p);
-        }
-        return true;
-    }
-
-    // From all sides of loops at once: the nearest side of each region.
-    Done spread() {
-        const size_t n = cut_.region_count;
-        seeds_.start(memory_);
-        heap_.start(memory_);
-        pairs_.start(memory_);
-        if (!distance_.allocate_filled(memory_, n, HUGE_VAL) || !seed_.allocate_filled(memory_, n, NONE)
-            || !from_.allocate_filled(memory_, n, NONE))
-            return false;
-        for (uint32_t k = 0; k < curves_.components.count(); ++k)
-            if (!seed_loop(k)) return false;
-        for (uint32_t v = 0; v < mesh_.marked_count; ++v)
-            if (!seed_mark(v)) return false;
-        // Only in pieces that are no pants yet.
-        double least = HUGE_VAL;
-        for (uint32_t seed = 0; seed < seeds_.size(); ++seed) {
-            const uint32_t r = seeds_[seed].region;
-            if (!call_.work(8)) return false;
-            if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            least = std::min(least, around_[seeds_[seed].side]);
-            if (seed_[r] == seed && !heap_.push({0, r})) return false;
-        }
-        return grow_cells(least);
-    }
-
-    // The cells of the diagram, from their seeds.  No way that is left is shorter than
-    // the next distance: it stops where that cannot make a loop shorter than the best
-    // one yet.  least: length of the shortest hole.
-    Done grow_cells(double least) {
-        double best = HUGE_VAL;
-        while (!heap_.empty()) {
-            const NearestFirst::Entry top = heap_.pop();
-            if (!call_.work(64)) return false;
-            if (top.distance > distance_[top.item]) continue;
-            if (2 * (least + top.distance) > PANTS_FURTHER * best) break;
-            for (uint32_t i = 0; i < 3; ++i) {
-                const uint32_t link = cut_.link[3 * size_t{top.item} + i];
-                if (link == NONE) break;
-                const uint32_t to = cut_.region[link ^ 1u];
-                const double d = top.distance + length_[cut_.segment_edge[link >> 1]];
-                if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side)
-                    best = std::min(best, estimate(seed_[to], seed_[top.item], d + distance_[to]));
-                if (!(d < distance_[to])) continue;
-                distance_[to] = d;
-                seed_[to] = seed_[top.item];
-                from_[to] = link;
-                if (!heap_.push({d, to})) return false;
-            }
-        }
-        return true;
-    }
-
-    double estimate(uint32_t a, uint32_t b, double way) const {
-        return around_[seeds_[a].side] + around_[seeds_[b].side] + 2 * way;
-    }
-
-    // Pairs of holes, and the link that their way crosses in the middle (NONE:
-    // they meet in one region), least estimates first.
-    Done find_candidates() {
-        candidates_.clear();
-        // Each two sides once, by the first pair of seeds.
-        sides_.clear();
-        for (uint32_t i = 0; i < pairs_.size(); ++i) {
-            if (holes_[find_root(piece_.data(), seeds_[pairs_[i].a].region)] <= 3) continue;
-            const uint64_t a = seeds_[pairs_[i].a].side, b = seeds_[pairs_[i].b].side;
-            if (!sides_.push({std::min(a, b) << 32 | std::max(a, b), i})) return false;
-        }
-        if (!call_.work(128 * sides_.size())) return false;
-        heap_sort(sides_.data(), sides_.size(),
-                  [](const Sides& a, const Sides& b) { return a.both != b.both ? a.both < b.both : a.pair < b.pair; });
-        for (size_t i = 0; i < sides_.size(); ++i) {
-            const Pair& pair = pairs_[sides_[i].pair];
-            const bool first = i == 0 || sides_[i].both != sides_[i - 1].both;
-            if (!call_.work(64)) return false;
-            if (first && !candidates_.push({estimate(pair.a, pair.b, 0), pair, NONE})) return false;
-        }
-        // The segments between two cells, in one piece as long as they meet at vertices of two cells.
-        const auto is_contact = [&](uint32_t s) {
-            const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
-            return seed_[r] != NONE && seed_[q] != NONE && seeds_[seed_[r]].side != seeds_[seed_[q]].side
-                && holes_[find_root(piece_.data(), r)] > 3;
-        };
-        if (!call_.work(64 * uint64_t{cut_.segment_count})) return false;
-        if (!borders_.find(
-                cut_, is_contact, [&](uint32_t p) { return p >= mesh_.vertex_count || mesh_.is_marked(p); },
-                [&](uint32_t s) { return contact(s).length; }, memory_))
-            return false;
-        for (const uint32_t s : borders_.best())
-            if (s != NONE && !candidates_.push(contact(s))) return false;
-        if (!call_.work(64 * candidates_.size())) return false;
-        heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
-            if (a.length != b.length) return a.length < b.length;
-            return a.pair.a != b.pair.a ? a.pair.a < b.pair.a : a.pair.b < b.pair.b;
-        });
-        return true;
-    }
-
-    Candidate contact(uint32_t s) const {
-        const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
-        const double way = distance_[r] + length_[cut_.segment_edge[s]] + distance_[q];
-        return {estimate(seed_[r], seed_[q], way), {seed_[r], seed_[q]}, 2 * s};
     }
 
     // Short loops that have two holes or more on both sides, found as those of a
@@ -331,12 +170,7 @@ private:
     Done find_cycles() {
         cycles_.clear();
         if (marks_only_ && mesh_.marked_count > MOST_PAIRED_MARKS) return true;
-        hole_.clear();
-        for (uint32_t v = 0; v < mesh_.marked_count; ++v)
-            if (!hole_.push(v)) return false;
-        for (uint32_t p = mesh_.vertex_count; p < cut_.point_count; ++p)
-            if (!hole_.push(p)) return false;
-        if (!signatures_.build_holes(cut_, hole_, call_) || !search_.prepare(signatures_, 1)) return false;
+        if (!signatures_.build_holes(cut_, holes_, call_) || !search_.prepare(signatures_, 1)) return false;
         search_.raise_bounds(face_bound_);
         if (marks_only_ && !find_mark_words()) return false;
         const bool sphere = lengths_.is_sphere();
@@ -348,7 +182,7 @@ private:
             if (!call_.work(4)) return false;
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut_.region[2 * size_t{s}];
-            if (r == done || holes_[find_root(piece_.data(), r)] <= 3 || search_.bound(r) >= roots * best
+            if (r == done || joins_.holes_around(r) <= 3 || search_.bound(r) >= roots * best
                 || search_.nearest_root(r) < apart * best)
                 continue;
             if (static_cast<double>(search_.work()) >= allowed_) break;
@@ -374,6 +208,12 @@ private:
         return true;
     }
 
+    // Of its edge, the one where the half-edge begins.
+    uint32_t segment_at_origin(uint32_t h) const {
+        const uint32_t e = edge_of(h);
+        return cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
+    }
+
     // Of each marked vertex, the sum of the signatures around it: a cycle adds up to those on one side of it.
     Done find_mark_words() {
         mark_word_.clear();
@@ -391,12 +231,11 @@ private:
         return false;
     }
 
-    // Of the candidates.  Around marked vertices a strip is longer than the estimate.
+    // Of the joins.  Around marked vertices a strip is longer than the estimate.
     Done shortest_strip(double& shortest) {
         const size_t begin = strips_.size();
-        for (size_t i = 0; i < candidates_.size() && i < PANTS_MOST_CANDIDATES && candidates_[i].length < shortest;
-             ++i) {
-            if (!join(candidates_[i])) return false;
+        for (size_t i = 0; i < join_.size() && i < PANTS_MOST_CANDIDATES && join_[i].length < shortest; ++i) {
+            if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;
             double length = 0;
             for (; strips_.size() > begin; strips_.pop()) length += length_[edge_of(strips_.back())];
@@ -410,90 +249,73 @@ private:
         uint32_t id = 0;
         if (!lengths_.add(strips_.data() + strip.first, strip.size, id)) return false;
         added = true;
-        for (size_t k = first; k < ids_.size(); ++k) added &= ids_[k] != id;
+        for (size_t k = first; k < ids_.size() && lengths_.has_pulled(); ++k) added &= ids_[k] != id;
         return !added || (ids_.push(id) && strip_.push(strip));
     }
 
     // Of the candidates the one with the shortest class.
-    Done choose() {
-        const size_t first = ids_.size();
+    Done choose(size_t batch) {
+        const size_t first = ids_.size(), most = std::max(PANTS_MOST_CANDIDATES, 2 * batch);
+        const bool is_quick = lengths_.care() == LoopCare::quick;
         bool added = false;
-        if (lengths_.care() == LoopCare::shortest && !find_cycles()) return false;
-        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + PANTS_MOST_CANDIDATES; ++i) {
+        if (!is_quick && !find_cycles()) return false;
+        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + most; ++i) {
             if (cycles_[i].length > PANTS_SLACK * cycles_[0].length) break;
-            if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
+            if (!offer(first, {cycles_[i].first, cycles_[i].size, 0}, added)) return false;
         }
-        for (size_t i = 0; i < candidates_.size() && i < PANTS_MOST_CANDIDATES; ++i) {
-            if (candidates_[i].length > PANTS_FURTHER * candidates_[0].length) break;
-            if (lengths_.care() == LoopCare::quick && ids_.size() > first) break;
+        for (size_t i = 0; i < join_.size() && i < most; ++i) {
             const size_t begin = strips_.size();
-            if (!join(candidates_[i])) return false;
+            if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;
-            if (!offer(first, {begin, strips_.size() - begin}, added)) return false;
+            const Strip strip = {begin, strips_.size() - begin, joins_.holes_around(cut_.region[join_[i].corner[0]])};
+            if (!offer(first, strip, added)) return false;
             while (!added && strips_.size() > begin) strips_.pop();
         }
         if (!lengths_.look_beside(&ids_[first], ids_.size() - first)) return false;
-        return choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
+        const size_t best = is_quick ? 0 : lengths_.shortest(&ids_[first], ids_.size() - first);
+        return choice_.push({first, ids_.size(), best});
     }
 
-    // The loop of the last choice, shortened.
-    hmf_status take_last() {
+    double length(size_t k) const {
+        if (lengths_.care() != LoopCare::quick) return lengths_.length(ids_[k]);
+        double sum = 0;
+        for (size_t i = 0; i < strip_[k].size; ++i) sum += length_[edge_of(strips_[strip_[k].first + i])];
+        return sum;
+    }
+
+    // Another one of the candidates, about as short, that passes no triangle of the loops of the batch.
+    Done choose_beside(const Choice& all, size_t first_loop, bool& any) {
+        const bool is_quick = lengths_.care() == LoopCare::quick;
+        const size_t first = ids_.size();
+        ++stamp_;
+        for (uint64_t i = loops_.offsets[first_loop]; i < loops_.crossings.size(); ++i)
+            stamped_[mesh_.face[loops_.crossings[i]]] = stamp_;
+        const double most = PANTS_BATCH * length(all.first + all.taken);
+        for (size_t k = all.first; k < all.end; ++k) {
+            const Strip strip = strip_[k];
+            bool fits = length(k) <= most && !(is_quick && strip.holes <= 4); // two in a piece with four are one class
+            for (size_t i = 0; fits && i < strip.size; ++i)
+                fits = stamped_[mesh_.face[strips_[strip.first + i]]] != stamp_;
+            if (fits && !(ids_.push(ids_[k]) && strip_.push(strip))) return false;
+            if (fits && is_quick) break;
+        }
+        any = ids_.size() > first;
+        return !any || choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
+    }
+
+    // The loop of the last choice: the pulled strip of the class if that meets no other loop.
+    Done take_last() {
         const size_t at = choice_.back().first + choice_.back().taken;
         bool are_disjoint = false;
+        ++steps_;
         if (lengths_.has_pulled()) {
             const uint32_t id = ids_[at];
             if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                || !one_is_disjoint(mesh_, loops_, loops_.count() - 1, curves_, call_, are_disjoint))
-                return call_.out_of_memory();
+                || !one_is_disjoint(mesh_, loops_, loops_.count() - 1, test_, call_, are_disjoint))
+                return false;
             if (!are_disjoint) loops_.keep_first(loops_.count() - 1);
         }
-        if (!are_disjoint && !loops_.add(strips_.data() + strip_[at].first, strip_[at].size))
-            return call_.out_of_memory();
-        return shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
-    }
-
-    // Once along the loop or around the marked vertex of a seed, with it on the right.
-    Done go_round(Array<uint32_t>& walk, uint32_t seed) const {
-        if (seeds_[seed].side >= 2 * curves_.components.count()) {
-            for (const uint32_t h : mesh_.clockwise_from(seeds_[seed].crossing))
-                if (!walk.push(h)) return false;
-            return true;
-        }
-        const uint32_t k = seeds_[seed].side / 2, right = seeds_[seed].side & 1u, i = seeds_[seed].crossing;
-        const uint64_t first = curves_.components.offsets[k], n = curves_.components.offsets[k + 1] - first;
-        for (uint64_t t = 0; t < n; ++t) {
-            const uint64_t at = right ? (i + n - t) % n : (i + 1 + t) % n;
-            const uint32_t h = curves_.components.crossings[first + at];
-            if (!walk.push(right ? twin(h) : h)) return false;
-        }
-        return true;
-    }
-
-    // The loop of a candidate, at the end of strips_.
-    Done join(const Candidate& candidate) {
-        const uint32_t middle = candidate.middle;
-        Array<uint32_t> walk, way;
-        walk.start(memory_);
-        way.start(memory_);
-        if (middle != NONE) {
-            for (uint32_t r = cut_.region[middle]; from_[r] != NONE; r = cut_.region[from_[r]])
-                if (!way.push(from_[r])) return false;
-            std::reverse(way.begin(), way.end());
-            if (!way.push(middle)) return false;
-            for (uint32_t r = cut_.region[middle ^ 1u]; from_[r] != NONE; r = cut_.region[from_[r]])
-                if (!way.push(from_[r] ^ 1u)) return false;
-        }
-        if (!go_round(walk, candidate.pair.a)) return false;
-        for (const uint32_t link : way)
-            if (!walk.push(cut_.half_edge(link))) return false;
-        if (!go_round(walk, candidate.pair.b)) return false;
-        for (size_t i = way.size(); i-- > 0;)
-            if (!walk.push(twin(cut_.half_edge(way[i])))) return false;
-        size_t begin = 0, end = 0;
-        remove_backtracking(walk, begin, end);
-        for (size_t i = begin; i < end; ++i)
-            if (!strips_.push(walk[i])) return false;
-        return true;
+        return are_disjoint || loops_.add(strips_.data() + strip_[at].first, strip_[at].size);
     }
 
     const Mesh& mesh_;
@@ -504,21 +326,13 @@ private:
     Call& call_;
     Memory& memory_;
     Array<double> length_; // per edge
-    Multicurve curves_;
+    size_t wanted_ = 0, given_ = 0;
+    uint64_t steps_ = 0; // loops taken
+    Multicurve curves_, test_;
     CutSurface cut_;
-    Array<uint32_t> piece_, holes_; // per region; number of holes at the root of a piece
-    Array<double> around_;          // length per side; of a marked vertex 0
-    Array<Seed> seeds_;
-    Array<Pair> pairs_;      // that meet in one region
-    Array<double> distance_; // per region
-    Array<uint32_t> seed_, from_;
-    NearestFirst heap_;
-    Array<Candidate> candidates_; // for the next loop
-    struct Sides {
-        uint64_t both;
-        uint32_t pair;
-    };
-    Array<Sides> sides_; // of pairs_
+    Array<uint8_t> holes_; // per point of cut_: HoleKind
+    HoleJoins joins_;
+    Array<HoleJoins::Join> join_; // for the next loop
     Array<uint64_t> mark_word_;
     Array<uint32_t> strips_, ids_;
     Array<Strip> strip_; // per id
@@ -528,12 +342,13 @@ private:
         size_t first, size;
     };
     Array<Cycle> cycles_;
-    Array<uint32_t> hole_, cycle_;
+    Array<uint32_t> cycle_;
     double allowed_ = 0;       // regions to be settled in all searches up to the next loop
     Array<double> face_bound_; // of the cycles through a face, which only get longer as loops are added
+    Array<uint32_t> stamped_;  // per face: the last stamp of a batch that passes it
+    uint32_t stamp_ = 0;
     Signatures signatures_;
     LoopSearch search_;
-    CellBorders borders_;
 };
 
 } // namespace

@@ -133,27 +133,24 @@ Done Signatures::build_punctured(const CutSurface& cut, const Array<uint8_t>& is
     return true;
 }
 
-Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call) {
+Done Signatures::build_holes(const CutSurface& cut, const Array<uint8_t>& is_hole, Call& call) {
     Memory& memory = call.memory;
     const uint32_t segments = cut.segment_count, points = cut.point_count;
     Array<uint32_t> first, at, tree, queue;
     Array<uint64_t> behind;
-    Array<uint8_t> is_hole;
     trivial.start(memory);
     if (!of.allocate_filled(memory, segments, uint64_t{0}) || !first.allocate_filled(memory, points + size_t{2}, 0u)
         || !at.allocate(memory, 2 * size_t{segments}) || !tree.allocate_filled(memory, points, NONE)
-        || !queue.allocate(memory, points) || !behind.allocate_filled(memory, points, uint64_t{0})
-        || !is_hole.allocate_filled(memory, points, uint8_t{0}))
+        || !queue.allocate(memory, points) || !behind.allocate_filled(memory, points, uint64_t{0}))
         return false;
-    for (const uint32_t p : hole) is_hole[p] = 1;
     for (size_t k = 0; k < 2 * size_t{segments}; ++k) ++first[cut.point[k] + 2];
     for (size_t p = 0; p < points; ++p) first[p + 2] += first[p + 1];
     for (uint32_t k = 0; k < 2 * segments; ++k) at[first[cut.point[k] + 1]++] = k;
     // A tree of points in each piece, breadth first from a hole; the way to each
     // other hole carries its word.
     uint64_t seed = 2;
-    for (const uint32_t root : hole) {
-        if (tree[root] != NONE || first[root] == first[root + 1]) continue;
+    for (uint32_t root = 0; root < points; ++root) {
+        if (!is_hole[root] || tree[root] != NONE || first[root] == first[root + 1]) continue;
         size_t begin = 0, end = 0;
         queue[end++] = root;
         tree[root] = root; // no segment; never read

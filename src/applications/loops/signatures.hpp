@@ -29,8 +29,7 @@ struct Signatures {
 
     // Instead: along a cycle of regions in a planar piece the signatures add up to
     // the words of the holes on one side of it.  Trivial: at most one on a side.
-    // hole: points that are holes.
-    Done build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call);
+    Done build_holes(const CutSurface& cut, const Array<uint8_t>& is_hole, Call& call);
 
     // Instead: on a surface with holes, whatever its genus.  The signatures along a cycle of regions add up to 0 if it
     // separates, with all holes on one side.  Trivial: separates one hole from the others.
