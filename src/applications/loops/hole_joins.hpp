@@ -24,8 +24,8 @@ public:
         uint32_t corner[2]; // half-segments that begin at the holes, where the way begins and ends
         uint32_t middle;    // half-segment that the way crosses between the cells; NONE: the corners lie in one region
     };
-    // Shortest first, none longer than the first one by more than the factor `further`. In a piece with three holes they
-    // would go around the third one, and there is none. holes: per point HoleKind.
+    // Shortest first, none longer than the first one by more than the factor `further`. In a piece with three holes
+    // they would go around the third one, and there is none. holes: per point HoleKind.
     Done find(const CutSurface& surface, const Array<uint8_t>& holes, double further, Array<Join>& found, Call& call);
     // Holes of the piece in which a region lies.
     uint32_t holes_around(uint32_t region) { return holes_[find_root(piece_.data(), region)]; }
