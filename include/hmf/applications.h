@@ -331,13 +331,18 @@ typedef struct hmf_parameterization {
  * boundary is straight, 1 at a corner of 90 degrees.  Triangles where the foliation is 0
  * (on limbs that no loop goes around) are degenerate.
  *
- * Checked before the result is returned: u is harmonic, the energy of du is between
- * 0.9 and 1.5 times that of the foliation, du and dv are closed in every triangle, the
- * linear solves have converged, and the area of the image is the energy of du up to 1e-4.
+ * Checked before the result is returned: u is harmonic and does not change along the closed
+ * leaves, the energy of du is between 0.9 and 1.5 times that of the foliation, circumferences
+ * of cylinders are between 0.5 and 2 times those of the foliation, du and dv are closed in
+ * every triangle, the area of the image is the energy of du up to 1e-4, and without signs,
+ * where flipped triangles count too, at most 1.5 times that of the foliation.  Cylinders
+ * thinner than the triangles, whose leaves are all crossed by zeros on their way to vertices,
+ * count as one: what the areas of the others leave of the energy of du.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
  * 200, 500, or HMF_ERROR_UNSUPPORTED if the mesh is too coarse: it has no vertex for each
- * zero, or moving the zeros changes the energy by more than the bound above.
+ * zero, or moving the zeros changes more than the bounds above; or if the linear systems
+ * could not be solved accurately enough.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
                                     const hmf_control *control, hmf_parameterization **out, hmf_error *error);

@@ -33,6 +33,7 @@ struct Problem {
     Loops loops; // empty: those of the library
     int32_t kind = HMF_LOOPS_CUT;
     bool has_boundary = false;
+    std::vector<double> weights; // of the loops, in turn; empty: all 1
 };
 
 std::vector<uint32_t> random_marks(const TriMesh& mesh, size_t count, Random& random) {
@@ -105,6 +106,16 @@ Problem genus_two(Random& random) { return with_handles(random, 2, HMF_LOOPS_CUT
 Problem genus_two_pants(Random& random) { return with_handles(random, 2, HMF_LOOPS_PANTS); }
 Problem genus_three_pants(Random& random) { return with_handles(random, 3, HMF_LOOPS_PANTS); }
 
+// Some cylinders are thinner than a triangle: on its way to a vertex a zero crosses all of their leaves.
+Problem thin_cylinders(Random& random) {
+    Problem p;
+    const size_t holes = 2 + random.below(4);
+    p.mesh = pretzel(holes, 1);
+    p.kind = HMF_LOOPS_PANTS;
+    for (size_t loop = 0; loop < 3 * holes - 3; ++loop) p.weights.push_back(std::exp2(10 * random.unit() - 5));
+    return p;
+}
+
 struct Tally {
     size_t maps = 0, refused = 0, unlucky = 0;
     double least = HUGE_VAL, most = 0, folded = 0, off_lattice = 0;
@@ -136,8 +147,9 @@ void run(Problem p, bool exact, Tally& tally) {
         p.loops.offsets.assign(set->offsets, set->offsets + set->count + 1);
         p.loops.elements.assign(set->elements, set->elements + set->offsets[set->count]);
     }
+    p.loops.weights = p.weights;
     const hmf_loop_set loops = p.loops.view();
-    const Solution s = solve(hierarchy, set ? *set : loops);
+    const Solution s = solve(hierarchy, set && p.weights.empty() ? *set : loops);
     ASSERT_EQ(s.status, HMF_OK) << s.error.message;
     hmf_parameterization* made = nullptr;
     hmf_error error{};
@@ -164,25 +176,30 @@ void run(Problem p, bool exact, Tally& tally) {
     EXPECT_LT(map->circumference_most, 2);
     tally.least = std::min(tally.least, ratio);
     tally.most = std::max(tally.most, ratio);
+    EXPECT_LT(judged.absolute_area, 1.5 * s.report.energy);
     tally.folded = std::max(tally.folded, judged.absolute_area / s.report.energy);
     if (p.has_boundary) return;
     EXPECT_EQ(judged.turns, 4 - 4 * static_cast<long>(p.mesh.genus));
+    if (!p.weights.empty()) return;
     EXPECT_LT(judged.off_lattice, 1e-5);
     tally.off_lattice = std::max(tally.off_lattice, judged.off_lattice);
 }
 
-void run_family(const char* name, Problem (*make)(Random&), bool exact) {
+// one_of: of so many maps one may be refused.
+void run_family(const char* name, Problem (*make)(Random&), bool exact, uint64_t one_of = 10) {
     const uint64_t first = number("HMF_MAPS_SEED", 0), count = number("HMF_MAPS", sample<uint64_t>(40, 10));
     Tally tally;
     for (uint64_t seed = first; seed < first + count; ++seed) {
         SCOPED_TRACE(testing::Message() << name << ", seed " << seed);
         Random random(seed);
+        const size_t refused = tally.refused;
         run(make(random), exact, tally);
+        if (tally.refused > refused) std::printf("refused: %s, %llu\n", name, static_cast<unsigned long long>(seed));
     }
     tally.print(name);
     EXPECT_GT(tally.maps, 0u);
     // A wrong place of zeros is refused as a mesh that is too coarse: few of these are.
-    EXPECT_LE(10 * tally.refused, tally.maps + tally.refused);
+    EXPECT_LE(one_of * tally.refused, tally.maps + tally.refused);
 }
 
 } // namespace
@@ -195,5 +212,14 @@ TEST(MapCampaign, MarkedTori) { run_family("marked tori", marked, false); }
 TEST(MapCampaign, GenusTwo) { run_family("genus 2", genus_two, false); }
 TEST(MapCampaign, GenusTwoPants) { run_family("genus 2, pants", genus_two_pants, false); }
 TEST(MapCampaign, GenusThreePants) { run_family("genus 3, pants", genus_three_pants, false); }
+TEST(MapCampaign, ThinCylinders) { run_family("thin cylinders", thin_cylinders, false, 100); }
+
+// With the nearest corners as places of the zeros a circumference is off by more than a factor of 2.
+TEST(MapCampaign, OtherCorners) {
+    Tally tally;
+    Random random(5411);
+    run(genus_three_pants(random), false, tally);
+    EXPECT_EQ(tally.maps, 1u);
+}
 
 } // namespace test_map_campaign

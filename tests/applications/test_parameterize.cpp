@@ -73,8 +73,8 @@ void expect_parity(const LevelMesh& mesh, const Flat& flat) {
 }
 
 // Everything that holds for every parameterization.  share: of the vertices, at least, whose triangles are all sound.
-void expect_flat_surface(const LevelMesh& mesh, const Foliation& foliation, const Flat& flat, size_t genus,
-                         double share = 0.9) {
+void expect_flat_cone_metric(const LevelMesh& mesh, const Foliation& foliation, const Flat& flat, size_t genus,
+                             double share = 0.9) {
     ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
     ASSERT_EQ(flat.numbers.vertex_count, mesh.vertex_count);
     ASSERT_EQ(flat.numbers.edge_count, mesh.edge_count);
@@ -174,7 +174,7 @@ TEST(Parameterize, ModulusOfATorus) {
         const Solution s = harmonic(hierarchy, &loops);
         const LevelMesh mesh = read_level(hierarchy, 0);
         const Flat flat = parameterize(s.foliation);
-        expect_flat_surface(mesh, s.foliation, flat, 1);
+        expect_flat_cone_metric(mesh, s.foliation, flat, 1);
         // The period of u around the axis is 1, and the area the modulus.
         const double error = std::fabs(flat.numbers.area / modulus - 1);
         EXPECT_LT(error, 0.35 * before) << n; // second order: a quarter
@@ -212,7 +212,7 @@ TEST(Parameterize, SurfacesOfSeveralGenera) {
         const Solution s = harmonic(hierarchy);
         const LevelMesh mesh = read_level(hierarchy, 0);
         const Flat flat = parameterize(s.foliation);
-        expect_flat_surface(mesh, s.foliation, flat, genus);
+        expect_flat_cone_metric(mesh, s.foliation, flat, genus);
         EXPECT_NEAR(flat.numbers.area, s.report.energy, 2e-3 * s.report.energy);
         // The map is injective beside the zeros, and nearly conformal: flips only in triangles near one.
         std::vector<uint8_t> near(mesh.vertex_count, 0);
@@ -294,7 +294,7 @@ TEST(Parameterize, BadTriangulationsGiveTheSameMap) {
         const Loops loops = plate_loops(hierarchy, 0, 2);
         const Solution s = harmonic(hierarchy, &loops);
         const Flat flat = parameterize(s.foliation);
-        expect_flat_surface(read_level(hierarchy, 0), s.foliation, flat, 2, i ? 0.5 : 0.9);
+        expect_flat_cone_metric(read_level(hierarchy, 0), s.foliation, flat, 2, i ? 0.5 : 0.9);
         area[i] = flat.numbers.area;
         energy[i] = s.report.energy;
     }
@@ -313,7 +313,7 @@ TEST(Parameterize, CoarseLevelsToo) {
         const Solution s = solve(hierarchy, nullptr, options);
         ASSERT_EQ(s.status, HMF_OK);
         const LevelMesh mesh = read_level(hierarchy, level);
-        expect_flat_surface(mesh, s.foliation, parameterize(s.foliation), 2);
+        expect_flat_cone_metric(mesh, s.foliation, parameterize(s.foliation), 2);
     }
 }
 
@@ -347,7 +347,7 @@ TEST(Parameterize, SeamsPreferTheEdgesGiven) {
     options.seam_edges = wanted.data();
     options.seam_edge_count = wanted.size();
     const Flat guided = parameterize(s.foliation, &options);
-    expect_flat_surface(read_level(hierarchy, 0), s.foliation, guided, 2);
+    expect_flat_cone_metric(read_level(hierarchy, 0), s.foliation, guided, 2);
     const auto off = [](const Flat& flat) {
         size_t count = 0;
         for (size_t e = 0; e < flat.seam.size(); e += 3) count += flat.seam[e];

@@ -26,6 +26,17 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
     return HMF_OK;
 }
 
+// What flipped triangles cover counts twice.  An atlas can do with more of them: it gives them other shapes.
+hmf_status refuse_folds(double covered, Call& call) {
+    constexpr double most = 1.5; // as of the energy of du
+    if (covered < most) return HMF_OK;
+    return call.fail(
+        HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+        "The mesh is too coarse: (u, v) is folded. Its area, that of flipped triangles counted as positive, "
+        "is %.3g times the energy of the foliation. Subdivide it.",
+        covered);
+}
+
 } // namespace
 
 extern "C" void hmf_parameterize_options_init(hmf_parameterize_options* options, uint32_t struct_size) {
@@ -54,6 +65,7 @@ extern "C" hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf
     const double tolerance = all.tolerance > 0 ? all.tolerance : HARMONIC_TOLERANCE;
     const auto improve = [&](State& state, double&) { return check_harmonic(state, tolerance, call); };
     if (const hmf_status status = flat.find(*foliation, entry, tolerance, improve)) return status;
+    if (refuse_folds(flat.flat->figures.covered, call)) return call.status();
     if (!triangles.build(h, level, call)) return call.stopped();
     const uint32_t start = level == 0 ? internal_side(h, 0) : triangles.of_face[0].side;
     if (made.build(mesh, h.levels[level].position, *flat.flat, start, seam_edges, call)) return call.status();

@@ -13,11 +13,10 @@ void free_part(Kept* kept, const hmf_hierarchy& h) {
     own.give(part, sizeof *part);
 }
 
-hmf_status build_flat(const hmf_foliation& foliation, FlatSurface& flat, Call& call) {
+hmf_status build_flat(const hmf_foliation& foliation, FlatConeMetric& flat, Call& call) {
     State state;
-    if (load_solved_in_unit_of_values(foliation, state, call) || flat_surface(state, 0, flat, call))
-        return call.status();
-    return flat_surface_to_input(state, flat, call) ? HMF_OK : call.stopped();
+    const hmf_status status = load_solved_in_unit_of_values(foliation, state, call);
+    return status ? status : flat_cone_metric(state, 0, flat, call);
 }
 
 } // namespace
@@ -25,7 +24,7 @@ hmf_status build_flat(const hmf_foliation& foliation, FlatSurface& flat, Call& c
 SharedFlat::SharedFlat(const hmf_hierarchy& h, uint64_t used) :
     Kept{sizeof *this, free_part}, memory(h.allocate, h.release, h.allocator_user, h.memory_limit, used) {}
 
-hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out) {
+hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatConeMetric*& out) {
     out = nullptr;
     if (!is_minimum(foliation)) return HMF_OK;
     Kept* part = foliation.kept.load(std::memory_order_acquire);

@@ -2,14 +2,14 @@
 // computed once and kept.
 #pragma once
 
-#include "../parameterize/flat_surface.hpp"
+#include "../parameterize/flat_cone_metric.hpp"
 #include "../../core/api/foliation_object.hpp"
 
 namespace hmf {
 
 struct SharedFlat : Kept {
     Memory memory;
-    FlatSurface flat; // on the caller's side of the level
+    FlatConeMetric flat; // on the caller's side of the level
     // used: what counts towards the limit beside it.
     SharedFlat(const hmf_hierarchy& h, uint64_t used);
 };
@@ -17,6 +17,6 @@ struct SharedFlat : Kept {
 // The flat surface that is kept with a foliation whose residual is at most 1e-8; out is NULL for others, because their
 // flat surface depends on how they are improved first. Any number of threads may call this: one result is kept, the
 // others are freed.
-[[nodiscard]] hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out);
+[[nodiscard]] hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatConeMetric*& out);
 
 } // namespace hmf

@@ -103,7 +103,7 @@ hmf_status count_levels(const Lines& made, const Cylinders& cylinders, double un
 }
 
 // Every conjugate line across a cylinder goes from side to side.
-hmf_status check_across(const Lines& made, const Mesh& mesh, const FlatSurface& flat, const double* position,
+hmf_status check_across(const Lines& made, const Mesh& mesh, const FlatConeMetric& flat, const double* position,
                         const Array<double>& height, Call& call) {
     uint64_t wrong = 0;
     const uint64_t most = mesh.edge_count / 64 + made.edges.size() / 128 + 1;

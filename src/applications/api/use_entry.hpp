@@ -46,7 +46,7 @@ struct Leaves {
 // The flat surface of a foliation on the caller's side: the one that is kept with
 // it, or one of its own after improve(state, unit), which leaves residuals of at most `residual`.
 struct FlatOf {
-    const FlatSurface* flat = nullptr;
+    const FlatConeMetric* flat = nullptr;
     double unit = 1;
 
     template <class Improve>
@@ -57,14 +57,12 @@ struct FlatOf {
         if (flat) return HMF_OK;
         flat = &own_;
         State state;
-        if (load_solved_in_unit_of_values(foliation, state, call) || improve(state, unit)
-            || flat_surface(state, residual, own_, call))
-            return call.status();
-        return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
+        if (load_solved_in_unit_of_values(foliation, state, call) || improve(state, unit)) return call.status();
+        return flat_cone_metric(state, residual, own_, call);
     }
 
 private:
-    FlatSurface own_;
+    FlatConeMetric own_;
 };
 
 } // namespace hmf

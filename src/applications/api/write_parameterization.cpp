@@ -111,7 +111,7 @@ private:
 
 class Writer {
 public:
-    Writer(const Parameterization& from, const hmf_foliation& foliation, const Mesh& mesh, const FlatSurface& flat,
+    Writer(const Parameterization& from, const hmf_foliation& foliation, const Mesh& mesh, const FlatConeMetric& flat,
            double unit, const CallerTriangles& triangles, hmf_parameterization& to, Call& call) :
         from_(from),
         h_(*foliation.hierarchy), level_(foliation.level), mesh_(mesh), flat_(flat), unit_(unit), triangles_(triangles),
@@ -244,7 +244,7 @@ private:
     const hmf_hierarchy& h_;
     size_t level_;
     const Mesh& mesh_;
-    const FlatSurface& flat_;
+    const FlatConeMetric& flat_;
     double unit_;
     const CallerTriangles& triangles_;
     hmf_parameterization& to_;
@@ -255,7 +255,7 @@ private:
 } // namespace
 
 hmf_status write_parameterization(const Parameterization& from, const hmf_foliation& foliation, const Mesh& mesh,
-                                  const FlatSurface& flat, double unit, const CallerTriangles& triangles,
+                                  const FlatConeMetric& flat, double unit, const CallerTriangles& triangles,
                                   hmf_parameterization& to, Call& call) {
     Writer writer(from, foliation, mesh, flat, unit, triangles, to, call);
     if (writer.triangles() || writer.edges() || writer.cones()) return call.status();

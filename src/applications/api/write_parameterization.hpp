@@ -19,7 +19,7 @@ struct CallerTriangles {
 // Fills the arrays of a result that has its counts, and the sums over triangles and
 // seams.  mesh: of the caller's side of the level of the foliation.
 [[nodiscard]] hmf_status write_parameterization(const Parameterization& from, const hmf_foliation& foliation,
-                                                const Mesh& mesh, const FlatSurface& flat, double unit,
+                                                const Mesh& mesh, const FlatConeMetric& flat, double unit,
                                                 const CallerTriangles& triangles, hmf_parameterization& to, Call& call);
 
 } // namespace hmf

@@ -20,7 +20,7 @@ constexpr uint32_t STRIPS_STRIDE = 65536;
 
 class RollOut {
 public:
-    RollOut(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat, const Reflection* reflection,
+    RollOut(const Foliation& f, const Cylinders& cylinders, const FlatConeMetric& flat, const Reflection* reflection,
             Strips& out, Call& call) :
         f_(f),
         mesh_(f.mesh), cylinders_(cylinders), flat_(flat), reflection_(reflection), out_(out), call_(call) {}
@@ -280,7 +280,7 @@ private:
     const Foliation& f_;
     const Mesh& mesh_;
     const Cylinders& cylinders_;
-    const FlatSurface& flat_;
+    const FlatConeMetric& flat_;
     const Reflection* reflection_;
     Strips& out_;
     Call& call_;
@@ -294,7 +294,7 @@ private:
 
 } // namespace
 
-hmf_status Strips::build(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat,
+hmf_status Strips::build(const Foliation& f, const Cylinders& cylinders, const FlatConeMetric& flat,
                          const Reflection* reflection, double to_flat, Call& call) {
     return RollOut(f, cylinders, flat, reflection, *this, call).run(to_flat);
 }

@@ -14,7 +14,7 @@
 
 #include "../../core/leaves/cylinders.hpp"
 #include "../../core/leaves/mirror_symmetry.hpp"
-#include "../parameterize/flat_surface.hpp"
+#include "../parameterize/flat_cone_metric.hpp"
 
 namespace hmf {
 
@@ -36,7 +36,7 @@ struct Strips {
 
     // mesh, foliation, cylinders and flat surface: of the caller's side of one level.
     // reflection: of a double, else NULL.  to_flat: units of the flat surface in one of the foliation.
-    [[nodiscard]] hmf_status build(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat,
+    [[nodiscard]] hmf_status build(const Foliation& f, const Cylinders& cylinders, const FlatConeMetric& flat,
                                    const Reflection* reflection, double to_flat, Call& call);
 };
 

@@ -135,7 +135,7 @@ double part_of_side(const Mesh& mesh, const double* position, uint32_t h, const 
 }
 
 // Change of u between points on two sides of one triangle; HUGE_VAL if there is none.
-double change_of_u(const Lines& lines, const Mesh& mesh, const FlatSurface& flat, const double* position, size_t p,
+double change_of_u(const Lines& lines, const Mesh& mesh, const FlatConeMetric& flat, const double* position, size_t p,
                    size_t q) {
     const auto du = [&](uint32_t h) { return static_cast<double>(flat.du.at(flat.bundle, h)); };
     for (uint32_t side = 2 * lines.edges[q], end = side + 2; side < end; ++side)
@@ -151,7 +151,7 @@ double change_of_u(const Lines& lines, const Mesh& mesh, const FlatSurface& flat
 }
 
 // The widest side of both triangles next to an edge, in u.
-double widest_beside(const Mesh& mesh, const FlatSurface& flat, uint32_t edge) {
+double widest_beside(const Mesh& mesh, const FlatConeMetric& flat, uint32_t edge) {
     double widest = 0;
     for (const uint32_t side : {2 * edge, 2 * edge + 1})
         for (const uint32_t h : {side, mesh.next[side], mesh.prev(side)})
@@ -161,7 +161,7 @@ double widest_beside(const Mesh& mesh, const FlatSurface& flat, uint32_t edge) {
 
 } // namespace
 
-hmf_status check_crossings(const Lines& lines, const Mesh& mesh, const FlatSurface& flat, const double* position,
+hmf_status check_crossings(const Lines& lines, const Mesh& mesh, const FlatConeMetric& flat, const double* position,
                            const Array<double>& height, uint64_t most_points, uint64_t& wrong, Call& call) {
     uint64_t points = 0, looked_at = 0;
     for (size_t k = 0; k < lines.list.size(); ++k) {

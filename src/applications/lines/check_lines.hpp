@@ -7,7 +7,7 @@
 //          i-------j
 #pragma once
 
-#include "../parameterize/flat_surface.hpp"
+#include "../parameterize/flat_cone_metric.hpp"
 #include "polyline.hpp"
 
 namespace hmf {
@@ -25,7 +25,7 @@ struct LineCheck {
 
 // Conjugate lines across cylinders: how much u changes along each, without the triangles at its ends, against the
 // height of its cylinder.  Looks at some of them, of about `most_points` points in all.
-[[nodiscard]] hmf_status check_crossings(const Lines& lines, const Mesh& mesh, const FlatSurface& flat,
+[[nodiscard]] hmf_status check_crossings(const Lines& lines, const Mesh& mesh, const FlatConeMetric& flat,
                                          const double* position, const Array<double>& height, uint64_t most_points,
                                          uint64_t& wrong, Call& call);
 

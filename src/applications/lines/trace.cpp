@@ -13,7 +13,7 @@ hmf_status trace_leaves(const hmf_trace_options& all, const Array<uint32_t>& sid
     return HMF_OK;
 }
 
-hmf_status trace_conjugate(Foliation& g, const double* position, const FlatSurface& flat, double unit,
+hmf_status trace_conjugate(Foliation& g, const double* position, const FlatConeMetric& flat, double unit,
                            const hmf_trace_options& all, const Array<uint32_t>& side, const ConjugateLevels& levels,
                            Lines& made, Call& call) {
     Array<int64_t> du;

@@ -1,7 +1,7 @@
 // Leaves in the form of hmf_trace.
 #pragma once
 
-#include "../parameterize/flat_surface.hpp"
+#include "../parameterize/flat_cone_metric.hpp"
 #include "conjugate_lines.hpp"
 
 namespace hmf {
@@ -13,7 +13,7 @@ namespace hmf {
 // Of the conjugate.  flat: on the side of the caller, in units of `unit`.
 // levels: of the foliation, in the same; only read with spacing.  g: room for
 // |dv| on the mesh of that side, which the lines are made on.
-[[nodiscard]] hmf_status trace_conjugate(Foliation& g, const double* position, const FlatSurface& flat, double unit,
+[[nodiscard]] hmf_status trace_conjugate(Foliation& g, const double* position, const FlatConeMetric& flat, double unit,
                                          const hmf_trace_options& all, const Array<uint32_t>& side,
                                          const ConjugateLevels& levels, Lines& made, Call& call);
 

@@ -13,14 +13,16 @@
 namespace hmf {
 
 struct CylinderCheck {
-    // Circumference by du, divided by that by F.
-    double least = 1, most = 1;
-    double area = 0;      // sum of height * circumference by du
-    uint64_t crossed = 0; // cylinders without a leaf that no zero has crossed; left out of the others
+    // Of the cylinders with a leaf that no zero has crossed.
+    double least = 1, most = 1; // circumference by du, divided by that by F
+    double area = 0;            // sum of height * circumference by du
+    uint64_t open = 0;          // u changes along the leaf
+    // Of the others, which are thinner than the triangles: a zero crosses all of their leaves.
+    uint64_t crossed = 0;
+    double crossed_area = 0; // sum of height * circumference by F
 };
 
-// zeros: of F, all of them where there are no marked vertices.
-[[nodiscard]] hmf_status check_cylinders(State& state, const ZeroList& zeros, const SignBundle& bundle,
+[[nodiscard]] hmf_status check_cylinders(State& state, const MovedZeros& moved, const SignBundle& bundle,
                                          const TwistedForm& du, CylinderCheck& out, Call& call);
 
 } // namespace hmf

@@ -81,7 +81,7 @@ Transition Parameterization::transition(const Mesh& mesh, const SignBundle& bund
     return {sign, to.u - sign * from.u, to.v - sign * from.v};
 }
 
-hmf_status Parameterization::build(const Mesh& mesh, const double* position, const FlatSurface& flat, uint32_t start,
+hmf_status Parameterization::build(const Mesh& mesh, const double* position, const FlatConeMetric& flat, uint32_t start,
                                    const Array<uint32_t>& seam_edges, Call& call) {
     Array<uint8_t> is_cone;
     Array<double> cost;

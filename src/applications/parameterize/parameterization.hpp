@@ -1,11 +1,11 @@
 // The global conformal parameterization ([W] section 5) in the caller's terms:
 //
-//   foliation --flat_surface--> (du, dv) --cut_through_cones--> seams
+//   foliation --flat_cone_metric--> (du, dv) --cut_through_cones--> seams
 //             --layout--> (u, v) per corner --> transitions, maps of the triangles
 #pragma once
 
 #include "dilatation.hpp"
-#include "flat_surface.hpp"
+#include "flat_cone_metric.hpp"
 #include "seams.hpp"
 
 namespace hmf {
@@ -29,7 +29,7 @@ struct Parameterization {
 
     // mesh: of the caller's side, with positions.  start: where the layout begins
     // if there are no cones.  seam_edges: internal numbers where seams cost nothing.
-    [[nodiscard]] hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, uint32_t start,
+    [[nodiscard]] hmf_status build(const Mesh& mesh, const double* position, const FlatConeMetric& flat, uint32_t start,
                                    const Array<uint32_t>& seam_edges, Call& call);
     // From face(h) to face(twin h).
     Transition transition(const Mesh& mesh, const SignBundle& bundle, uint32_t h) const;

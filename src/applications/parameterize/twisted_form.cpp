@@ -24,11 +24,11 @@
 //
 // An end of that graph with order -1 is a limb, across whose edge u turns back.
 // Where the turn is even at a zero or a mark, one zero more than the turn can hold
-// is there: it is dragged to a vertex nearby, like zeros that have no free corner (zero_drag.hpp).
+// is there: it is dragged to a vertex nearby, like zeros that have no free corner (move_zero_to_vertex.hpp).
 #include "twisted_form.hpp"
 
 #include "../../core/mesh/weights.hpp"
-#include "zero_drag.hpp"
+#include "move_zero_to_vertex.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -59,10 +59,10 @@ constexpr int32_t PRUNED = INT32_MIN;       // order of a vertex of a limb: 0
 
 class FormOfFoliation {
 public:
-    FormOfFoliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle, TwistedForm& du,
-                    Array<uint8_t>& untouched, ZeroList& zeros, Call& call) :
+    FormOfFoliation(const Foliation& f, const double* weight, double energy, CornerChoice choice, SignBundle& bundle,
+                    TwistedForm& du, MovedZeros& moved, Call& call) :
         f_(f),
-        mesh_(f.mesh), weight_(weight), energy_(energy), bundle_(bundle), du_(du), untouched_(untouched), zeros_(zeros),
+        mesh_(f.mesh), weight_(weight), energy_(energy), choice_(choice), bundle_(bundle), du_(du), moved_(moved),
         call_(call), memory_(call.memory) {}
 
     hmf_status run() {
@@ -71,9 +71,10 @@ public:
         corner_.start(memory_);
         without_corner_.start(memory_);
         zero_triangle_.start(memory_);
+        moved_.crossed.start(memory_);
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !taken_.allocate_filled(memory_, n, uint8_t{0})
-            || !order_.allocate(memory_, n) || !untouched_.allocate(memory_, n) || !bundle_.turn.allocate(memory_, m)
-            || !du_.value.allocate(memory_, m))
+            || !order_.allocate(memory_, n) || !moved_.untouched.allocate(memory_, n)
+            || !bundle_.turn.allocate(memory_, m) || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!sign_faces() || !give_zero_triangles_to_the_outside() || !assign_corners()) return call_.stopped();
@@ -85,12 +86,15 @@ public:
                 }
             }))
             return call_.was_cancelled();
-        for (const uint32_t h : corner_)
-            if (h != NONE) move_to_branch_point(h);
+        for (const uint32_t h : corner_) {
+            if (h == NONE) continue;
+            if (!moved_.crossed.push(h)) return call_.out_of_memory();
+            move_to_branch_point(h);
+        }
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!count_orders()) return call_.stopped();
         if (const hmf_status status = drag_zeros()) return status;
-        tripod_.swap(zeros_.tripods);
+        tripod_.swap(moved_.zeros.tripods);
         return HMF_OK;
     }
 
@@ -182,6 +186,7 @@ private:
             for (uint32_t k = 0; k < 3; ++k, h = mesh_.next[h]) {
                 const uint32_t v = mesh_.origin[h];
                 if (taken_[v] || !is_regular(v) || cost(h) > std::max(share * energy_, ratio * cheapest)) continue;
+                if (choice_ == CornerChoice::keeps_class && !keeps_class(h)) continue;
                 const double distance = distance_to_zero(h);
                 if (best != NONE && distance >= least) continue;
                 best = h;
@@ -194,9 +199,21 @@ private:
                 continue;
             }
             h = tripod_[t];
-            sign_[h] = sign_[mesh_.next[h]] = 1; // in the form of ZeroDrags
+            sign_[h] = sign_[mesh_.next[h]] = 1; // in the form of ZeroMoves
             sign_[mesh_.prev(h)] = -1;
             if (!without_corner_.push(h)) return false;
+        }
+        return true;
+    }
+
+    // The origin of a corner can move to the branch point and keep the class: it passes no other image on the way.
+    bool keeps_class(uint32_t corner) const {
+        const int64_t twice = f_.corner2(corner);
+        bool inside = true; // of the sector of the tripod
+        for (const uint32_t h : mesh_.around_from(corner)) {
+            const int64_t ahead = f_.corner2(h);
+            if (inside && (2 * f_.at(h) < twice || (h != corner && ahead != 0 && ahead < twice))) return false;
+            if (ahead == 0) inside = !inside;
         }
         return true;
     }
@@ -214,19 +231,19 @@ private:
     hmf_status drag_zeros() {
         Array<uint32_t> even;
         even.start(memory_);
-        zeros_.vertices.start(memory_);
+        moved_.zeros.vertices.start(memory_);
         size_t places = 0;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return call_.was_cancelled();
             taken_[v] = mesh_.is_marked(v) || (order_[v] != 0 && order_[v] != PRUNED);
             places += !taken_[v];
-            if (order_[v] != 0 && !zeros_.vertices.push(v)) return call_.stopped();
+            if (order_[v] != 0 && !moved_.zeros.vertices.push(v)) return call_.stopped();
             if (taken_[v] && order_[v] % 2 == 0 && !is_coclosed(v) && !even.push(v)) return call_.stopped();
         }
         const size_t zeros = without_corner_.size() + even.size();
         size_t left = zeros;
         if (zeros <= places
-            && !ZeroDrags(mesh_, weight_, bundle_, du_, taken_, &untouched_).drag(without_corner_, even, call_, left))
+            && !ZeroMoves(mesh_, weight_, bundle_, du_, taken_, &moved_).move(without_corner_, even, call_, left))
             return call_.stopped();
         if (left == 0) return HMF_OK;
         return call_.fail(
@@ -289,14 +306,14 @@ private:
                     int32_t middle = 0;
                     for (const uint32_t h : mesh_.around(v)) middle += is_middle(h);
                     order_[v] = middle - 2;
-                    untouched_[v] = middle == 2 && !mesh_.is_marked(v);
+                    moved_.untouched[v] = middle == 2 && !mesh_.is_marked(v);
                 }
             }))
             return false;
         for (const uint32_t h : without_corner_) --order_[mesh_.target(h)];
         for (const uint32_t h : corner_)
             for (uint32_t out = h; out != NONE; out = mesh_.rotate_ccw(out) == h ? NONE : mesh_.rotate_ccw(out))
-                untouched_[mesh_.target(out)] = 0;
+                moved_.untouched[mesh_.target(out)] = 0;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
             prune(v);
@@ -328,10 +345,10 @@ private:
     const Mesh& mesh_;
     const double* weight_;
     const double energy_;
+    const CornerChoice choice_;
     SignBundle& bundle_;
     TwistedForm& du_;
-    Array<uint8_t>& untouched_;
-    ZeroList& zeros_;
+    MovedZeros& moved_;
     Call& call_;
     Memory& memory_;
     Array<int8_t> sign_;             // per half-edge: of du in the chart of its face
@@ -345,9 +362,9 @@ private:
 
 } // namespace
 
-hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle,
-                             TwistedForm& du, Array<uint8_t>& untouched, ZeroList& zeros, Call& call) {
-    return FormOfFoliation(f, weight, energy, bundle, du, untouched, zeros, call).run();
+hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, CornerChoice choice,
+                             SignBundle& bundle, TwistedForm& du, MovedZeros& moved, Call& call) {
+    return FormOfFoliation(f, weight, energy, choice, bundle, du, moved, call).run();
 }
 
 ImageSum sum_image(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
@@ -359,9 +376,11 @@ ImageSum sum_image(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
                           const int64_t u[2] = {du.at(bundle, h), du.at(bundle, n)};
                           const int64_t v[2] = {dv.at(bundle, h), dv.at(bundle, n)};
                           sum.open += u[0] + u[1] + du.at(bundle, p) != 0 || v[0] + v[1] + dv.at(bundle, p) != 0;
-                          sum.area += 0.5
-                                    * (static_cast<double>(u[0]) * static_cast<double>(v[1])
-                                       - static_cast<double>(u[1]) * static_cast<double>(v[0]));
+                          const double area = 0.5
+                                            * (static_cast<double>(u[0]) * static_cast<double>(v[1])
+                                               - static_cast<double>(u[1]) * static_cast<double>(v[0]));
+                          sum.area += area;
+                          sum.absolute_area += std::fabs(area);
                       });
         return sum;
     });

@@ -46,20 +46,34 @@ struct VertexCharts {
     Done build(const Mesh& mesh, const SignBundle& bundle, Call& call);
 };
 
+// The zeros of a foliation, and the ways by which they come to vertices.
+struct MovedZeros {
+    ZeroList zeros;           // without the marked vertices that are none
+    Array<uint8_t> untouched; // per vertex: no zero is there, came, or passed by; the fluxes of du are those of F
+    Array<uint32_t>
+        crossed; // half-edges: a leaf of F that turns around the origin in the face may be crossed by a zero
+};
+
+// Which corner of a tripod takes its zero.
+enum class CornerChoice : uint8_t {
+    nearest,
+    keeps_class, // the nearest of those whose move passes the image of no vertex of the star
+};
+
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:
 // the zero in each moves to one of its corners, or to a vertex near by.
 // HMF_ERROR_UNSUPPORTED if the mesh is so coarse that there are not enough.
-// energy: of the foliation, in units.  untouched: per vertex, no zero is there, came, or passed by; so the fluxes of du
-// are those of the foliation.  zeros: of the foliation, without the marked vertices that are none.
-[[nodiscard]] hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, SignBundle& bundle,
-                                           TwistedForm& du, Array<uint8_t>& untouched, ZeroList& zeros, Call& call);
+// energy: of the foliation, in units.
+[[nodiscard]] hmf_status form_of_foliation(const Foliation& f, const double* weight, double energy, CornerChoice choice,
+                                           SignBundle& bundle, TwistedForm& du, MovedZeros& moved, Call& call);
 
-// Sums over the triangles: whether both forms are closed, and the area of the image.
+// Sums over the triangles: whether both forms are closed, and the area of the image, with signs and without.
 struct ImageSum {
-    double area = 0;
+    double area = 0, absolute_area = 0;
     uint64_t open = 0;
     void operator+=(const ImageSum& part) {
         area += part.area;
+        absolute_area += part.absolute_area;
         open += part.open;
     }
 };

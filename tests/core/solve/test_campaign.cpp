@@ -539,14 +539,14 @@ TEST(Campaign, SeedsThatFailedWithMarkedVertices) {
     EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
 
-// Zeros without a corner of their own.  9: nothing is left of the foliation at two thirds of the vertices.  Of the two
-// others the maps are refused: on 444 vertices of genus 8, and with 572 zeros on 1360 vertices, the circumferences of
-// cylinders are off by more than half.
+// Zeros without a corner of their own.  Two maps are refused.  9: nothing is left of the foliation at two thirds of the
+// vertices, and the image covers 4.8 times its area.  1: 444 vertices of genus 8, where the circumference of a cylinder
+// is off by a factor of 2.03.  941059 has 572 zeros on 1360 vertices.
 TEST(Campaign, EveryZeroHasAVertex) {
     Tally tally;
-    solve_problem(9, tally);
+    solve_problem(941059, tally);
     EXPECT_EQ(tally.maps.made, 1u);
-    for (const uint64_t seed : {1, 941059}) solve_problem(seed, tally);
+    for (const uint64_t seed : {9, 1}) solve_problem(seed, tally);
     EXPECT_EQ(tally.errors, 0u);
 }
 

@@ -15,7 +15,7 @@
 
 #include "src/core/base/disjoint_sets.hpp"
 #include "src/core/foliation/whitehead.hpp"
-#include "src/applications/parameterize/flat_surface.hpp"
+#include "src/applications/parameterize/flat_cone_metric.hpp"
 #include "src/applications/parameterize/parameterization.hpp"
 #include "src/applications/parameterize/seams.hpp"
 #include "src/core/solve/fraction.hpp"
@@ -557,7 +557,7 @@ TEST(ConeAngles, OfASurfaceThatIsAPoint) {
     const hmf::Mesh mesh = made.mesh();
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Call call(memory, nullptr, nullptr, nullptr);
-    hmf::FlatSurface flat;
+    hmf::FlatConeMetric flat;
     hmf::VertexCharts charts;
     ASSERT_TRUE(flat.bundle.turn.allocate_filled(memory, mesh.edge_count, int8_t{1})
                 && flat.du.value.allocate_filled(memory, mesh.edge_count, 0)

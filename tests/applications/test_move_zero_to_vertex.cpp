@@ -10,11 +10,11 @@
 
 #include "src/core/api/foliation_object.hpp"
 #include "src/applications/parameterize/harmonic_form.hpp"
-#include "src/applications/parameterize/zero_drag.hpp"
+#include "src/applications/parameterize/move_zero_to_vertex.hpp"
 #include "support/meshes.hpp"
 #include "support/surface.hpp"
 
-namespace test_zero_drag {
+namespace test_move_zero_to_vertex {
 
 using namespace test;
 
@@ -45,7 +45,7 @@ Glued one_vertex() {
     return g;
 }
 
-// A foliation on the finest level, or on what is glued, and du with tripods as ZeroDrags wants them.
+// A foliation on the finest level, or on what is glued, and du with tripods as ZeroMoves wants them.
 struct Tripods {
     hmf::Memory memory{nullptr, nullptr, nullptr, 0};
     hmf::Call call{memory, nullptr, nullptr, nullptr};
@@ -143,10 +143,10 @@ struct Tripods {
         for (const uint32_t v : near) taken[v] = 1;
     }
     // How many are left.
-    size_t drag(size_t genus) {
+    size_t move(size_t genus) {
         const std::vector<uint8_t> before(taken.begin(), taken.end());
         size_t left = tripod.size();
-        EXPECT_TRUE(hmf::ZeroDrags(mesh, weight(), bundle, du, taken).drag(tripod, {}, call, left));
+        EXPECT_TRUE(hmf::ZeroMoves(mesh, weight(), bundle, du, taken).move(tripod, {}, call, left));
         size_t odd = 0, came = 0;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
             odd += is_odd(v);
@@ -198,7 +198,7 @@ struct Tripods {
 } // namespace
 
 // Also where the vertices near the zeros are taken.
-TEST(ZeroDrag, EnergyOfTheClass) {
+TEST(ZeroMoves, EnergyOfTheClass) {
     for (const size_t genus : {2, 3}) {
         const SolvedSurface surface(pretzel(genus, 4));
         for (const int rings : {-1, 0, 1, 3}) {
@@ -207,7 +207,7 @@ TEST(ZeroDrag, EnergyOfTheClass) {
             ASSERT_GT(t.tripod.size(), 0u);
             const double energy = t.energy();
             if (rings >= 0) t.take_corners(rings);
-            EXPECT_EQ(t.drag(genus), 0u);
+            EXPECT_EQ(t.move(genus), 0u);
             t.make_harmonic();
             EXPECT_NEAR(t.energy(), energy, 1e-3 * energy);
         }
@@ -215,7 +215,7 @@ TEST(ZeroDrag, EnergyOfTheClass) {
 }
 
 // Long ways, across each other.
-TEST(ZeroDrag, ToAFewVerticesAnywhere) {
+TEST(ZeroMoves, ToAFewVerticesAnywhere) {
     const size_t genus = 4;
     const SolvedSurface surface(pretzel(genus, 2));
     for (size_t seed = 0; seed < 20; ++seed) {
@@ -233,12 +233,12 @@ TEST(ZeroDrag, ToAFewVerticesAnywhere) {
             free[i] = free.back();
             free.pop_back();
         }
-        EXPECT_EQ(t.drag(genus), seed % 3);
+        EXPECT_EQ(t.move(genus), seed % 3);
     }
 }
 
 // Face 5 is shut in by triangles whose zeros find their ways: it waits for them, and its way leads through one of them.
-TEST(ZeroDrag, ThroughTrianglesWhoseZerosHaveLeft) {
+TEST(ZeroMoves, ThroughTrianglesWhoseZerosHaveLeft) {
     Glued g = one_vertex();
     // Four vertices in face 0, whose corners lie at -32, 0 and 32: at 5, -3, -7 and -9.
     g.insert(0, {37, 5, 27});
@@ -249,43 +249,43 @@ TEST(ZeroDrag, ThroughTrianglesWhoseZerosHaveLeft) {
     ASSERT_EQ(t.tripod.size(), 4u);
     EXPECT_EQ(t.mesh.face[t.tripod[0]], 5u);
     for (const uint32_t h : g.faces[5]) t.taken[t.mesh.origin[h]] = 1;
-    EXPECT_EQ(t.drag(2), 0u);
+    EXPECT_EQ(t.move(2), 0u);
 }
 
 // Where all corners of four tripods lie at one vertex, the turn around it is even with a zero and odd without: no zero
 // may come.
-TEST(ZeroDrag, NotWhereTheTurnIsNotEven) {
+TEST(ZeroMoves, NotWhereTheTurnIsNotEven) {
     Tripods t(one_vertex());
     ASSERT_EQ(t.tripod.size(), 4u);
     ASSERT_FALSE(t.taken[0]);
     size_t left = 0;
-    EXPECT_TRUE(hmf::ZeroDrags(t.mesh, t.weight(), t.bundle, t.du, t.taken).drag(t.tripod, {}, t.call, left));
+    EXPECT_TRUE(hmf::ZeroMoves(t.mesh, t.weight(), t.bundle, t.du, t.taken).move(t.tripod, {}, t.call, left));
     EXPECT_EQ(left, 4u);
     EXPECT_EQ(t.open_faces(), 4u);
 }
 
 // Of three such tripods one may stay there; a fourth has a vertex of its own.
-TEST(ZeroDrag, ToAVertexWithAllCorners) {
+TEST(ZeroMoves, ToAVertexWithAllCorners) {
     Glued g = one_vertex();
     g.insert(2, {12, 20, 20});
     Tripods t(g);
     ASSERT_EQ(t.tripod.size(), 4u);
-    EXPECT_EQ(t.drag(2), 2u);
+    EXPECT_EQ(t.move(2), 2u);
 }
 
 // In a finer unit the same ways and heights, until the sides need more bits than there are: then all zeros are left.
-TEST(ZeroDrag, HeightsHaveRoom) {
+TEST(ZeroMoves, HeightsHaveRoom) {
     Glued g = one_vertex();
     g.insert(2, {12, 20, 20});
     Tripods t(g);
-    EXPECT_EQ(t.drag(2), 2u);
+    EXPECT_EQ(t.move(2), 2u);
     for (const int bits : {1, 40, 55}) {
         SCOPED_TRACE(bits);
         Glued finer = g;
         for (int64_t& x : finer.value) x <<= bits;
         Tripods f(finer);
         size_t left = 0;
-        EXPECT_TRUE(hmf::ZeroDrags(f.mesh, f.weight(), f.bundle, f.du, f.taken).drag(f.tripod, {}, f.call, left));
+        EXPECT_TRUE(hmf::ZeroMoves(f.mesh, f.weight(), f.bundle, f.du, f.taken).move(f.tripod, {}, f.call, left));
         EXPECT_EQ(left, bits < 55 ? 2u : 4u);
         if (bits == 55) continue; // sides of 2^61
         for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
@@ -295,4 +295,4 @@ TEST(ZeroDrag, HeightsHaveRoom) {
     }
 }
 
-} // namespace test_zero_drag
+} // namespace test_move_zero_to_vertex

@@ -1,4 +1,4 @@
-#include "zero_drag.hpp"
+#include "move_zero_to_vertex.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ bool is_too_high(int64_t height) { return height > LARGEST_DRAG_HEIGHT || height
 
 } // namespace
 
-Done ZeroDrags::drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even, Call& call, size_t& left) {
+Done ZeroMoves::move(const Array<uint32_t>& tripods, const Array<uint32_t>& even, Call& call, size_t& left) {
     left = 0;
     if (tripods.empty() && even.empty()) return true;
     Memory& memory = call.memory;
@@ -45,6 +45,7 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even
                 if (!refuse()) return false;
                 continue;
             }
+            if (!cross_faces()) return false;
             if (!follow_way()) {
                 left = waiting.size();
                 return true;
@@ -68,6 +69,7 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even
                     continue;
                 }
             }
+            if (!cross_faces()) return false;
             if (vertex_ == NONE || !follow_way()) left = even.size() - i;
             break;
         }
@@ -76,25 +78,25 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even
 }
 
 // The zero arrives at a vertex whose turn is even, if this is not yet counted.
-bool ZeroDrags::may_end() {
+bool ZeroMoves::may_end() {
     if (turn_round(vertex_) != (way_.size() == 1 ? -1 : 1)) return false;
     forget_refused();
     taken_[vertex_] = 1;
     return true;
 }
 
-Done ZeroDrags::refuse() {
+Done ZeroMoves::refuse() {
     taken_[vertex_] = 1;
     return refused_.push(vertex_);
 }
 
-void ZeroDrags::forget_refused() {
+void ZeroMoves::forget_refused() {
     for (const uint32_t v : refused_) taken_[v] = 0;
     refused_.clear();
 }
 
 // From the center of the face of h to its origin, which lies `height` above it: v is the mean of the centers around it.
-double ZeroDrags::distance(double height, uint32_t h) const {
+double ZeroMoves::distance(double height, uint32_t h) const {
     double v = 0, sum = 0, weights = 0;
     uint32_t degree = 0;
     int8_t chart = 1;
@@ -110,7 +112,7 @@ double ZeroDrags::distance(double height, uint32_t h) const {
     return std::sqrt(weights * height * height + mean * mean);
 }
 
-Done ZeroDrags::reach(uint32_t crossed, const Reached& before, double right, double left, int8_t sheet) {
+Done ZeroMoves::reach(uint32_t crossed, const Reached& before, double right, double left, int8_t sheet) {
     const uint32_t into = twin(crossed);
     if (settled_[mesh_.face[into]] != NONE) return true;
     Reached r = before;
@@ -126,7 +128,7 @@ Done ZeroDrags::reach(uint32_t crossed, const Reached& before, double right, dou
     return nearest_.push({r.length, static_cast<uint32_t>(reached_.size())}) && reached_.push(r);
 }
 
-void ZeroDrags::begin() {
+void ZeroMoves::begin() {
     way_.clear();
     reached_.clear();
     nearest_.clear();
@@ -134,7 +136,7 @@ void ZeroDrags::begin() {
 }
 
 // The way to the target of a half-edge without a step: h leaves it in the same face.
-void ZeroDrags::try_corner(uint32_t side, double height) {
+void ZeroMoves::try_corner(uint32_t side, double height) {
     const uint32_t end = mesh_.target(side);
     if (taken_[end]) return;
     const double d = distance(height, mesh_.next[side]);
@@ -144,7 +146,7 @@ void ZeroDrags::try_corner(uint32_t side, double height) {
     last_ = side;
 }
 
-Done ZeroDrags::find_way(uint32_t tripod) {
+Done ZeroMoves::find_way(uint32_t tripod) {
     begin();
     const uint32_t side[3] = {tripod, mesh_.next[tripod], mesh_.prev(tripod)};
     // Heights of the origins of the sides.
@@ -162,7 +164,7 @@ Done ZeroDrags::find_way(uint32_t tripod) {
 }
 
 // The zero leaves to the side that the fluxes pull to, where u would drift if it were not held.
-Done ZeroDrags::find_way_from_vertex(uint32_t v) {
+Done ZeroMoves::find_way_from_vertex(uint32_t v) {
     begin();
     double divergence = 0;
     int8_t chart = 1;
@@ -182,7 +184,7 @@ Done ZeroDrags::find_way_from_vertex(uint32_t v) {
     return search();
 }
 
-Done ZeroDrags::search() {
+Done ZeroMoves::search() {
     uint32_t best = NONE;
     size_t settled = 0;
     while (!nearest_.empty() && settled < MOST_CROSSED) {
@@ -222,8 +224,18 @@ Done ZeroDrags::search() {
     return true;
 }
 
+// Where a leaf goes through one of these faces is not looked at.
+Done ZeroMoves::cross_faces() {
+    for (size_t i = 0; moved_ && i < way_.size(); ++i) {
+        const uint32_t h = i == 0 ? way_[0] : twin(way_[i]);
+        for (const uint32_t side : {h, mesh_.next[h], mesh_.prev(h)})
+            if (!moved_->crossed.push(side)) return false;
+    }
+    return true;
+}
+
 // False: heights need too many bits.
-bool ZeroDrags::follow_way() {
+bool ZeroMoves::follow_way() {
     // The sides of the tripod are a_r + a_l, a_l + a, a + a_r, where a are the heights of its corners.
     const uint32_t first = way_[0];
     const int64_t side[3] = {du(first), du(mesh_.next[first]), -du(mesh_.prev(first))};
@@ -257,7 +269,7 @@ bool ZeroDrags::follow_way() {
 
 // From the target of one half-edge of a tripod to that of another: the two sides that
 // meet at the third corner change their signs.
-void ZeroDrags::move_odd_turn(uint32_t& from, uint32_t to) {
+void ZeroMoves::move_odd_turn(uint32_t& from, uint32_t to) {
     if (from == to) return;
     const bool is_next = to == mesh_.next[from];
     change_chart(is_next ? mesh_.prev(from) : mesh_.next[from]);
@@ -265,25 +277,25 @@ void ZeroDrags::move_odd_turn(uint32_t& from, uint32_t to) {
     from = to;
 }
 
-void ZeroDrags::touch(uint32_t v) {
-    if (untouched_) (*untouched_)[v] = 0;
+void ZeroMoves::touch(uint32_t v) {
+    if (moved_) moved_->untouched[v] = 0;
 }
 
-int ZeroDrags::turn_round(uint32_t v) const {
+int ZeroMoves::turn_round(uint32_t v) const {
     int turn = 1;
     for (const uint32_t h : mesh_.around(v)) turn *= bundle_.turn[edge_of(h)];
     return turn;
 }
 
 // Across h the chart of its face changes its sign.
-void ZeroDrags::change_chart(uint32_t h) {
+void ZeroMoves::change_chart(uint32_t h) {
     const uint32_t e = edge_of(h);
     bundle_.turn[e] = static_cast<int8_t>(-bundle_.turn[e]);
     if (h % 2 == 0) du_.value[e] = -du_.value[e];
 }
 
 // The origin of h goes down by `height`, in the chart of the face of h.
-void ZeroDrags::lower(uint32_t h, int64_t height) {
+void ZeroMoves::lower(uint32_t h, int64_t height) {
     for (const uint32_t out : mesh_.around_from(h)) {
         if (out != h) height *= bundle_.turn[edge_of(out)];
         du_.add(bundle_, out, height);

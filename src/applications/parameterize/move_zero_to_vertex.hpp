@@ -25,20 +25,20 @@
 
 namespace hmf {
 
-class ZeroDrags {
+class ZeroMoves {
 public:
-    // taken: per vertex, no zero may come; the others have even turns.  untouched: becomes 0 where the star of a vertex
-    // changes; may be NULL.
-    ZeroDrags(const Mesh& mesh, const double* weight, SignBundle& bundle, TwistedForm& du, Array<uint8_t>& taken,
-              Array<uint8_t>* untouched = nullptr) :
+    // taken: per vertex, no zero may come; the others have even turns.  moved: gets what the
+    // ways cross; may be NULL.
+    ZeroMoves(const Mesh& mesh, const double* weight, SignBundle& bundle, TwistedForm& du, Array<uint8_t>& taken,
+              MovedZeros* moved = nullptr) :
         mesh_(mesh),
-        weight_(weight), bundle_(bundle), du_(du), taken_(taken), untouched_(untouched) {}
+        weight_(weight), bundle_(bundle), du_(du), taken_(taken), moved_(moved) {}
 
     // tripods: a half-edge h of each triangle where du is not closed.  The sides are a sum and its two
     // parts up to sign, which is 1 on h and the next one, -1 on the third: the turn around the target of h is
     // odd.  even: vertices whose turn is even although they have a zero or a mark.  One zero of each goes to the
     // nearest vertex that is not taken.  left: how many find none.
-    Done drag(const Array<uint32_t>& tripods, const Array<uint32_t>& even, Call& call, size_t& left);
+    Done move(const Array<uint32_t>& tripods, const Array<uint32_t>& even, Call& call, size_t& left);
 
 private:
     static constexpr uint32_t BARRED = NONE - 1; // a tripod
@@ -60,6 +60,7 @@ private:
     double distance(double height, uint32_t h) const;
     Done reach(uint32_t crossed, const Reached& before, double right, double left, int8_t sheet);
     bool follow_way();
+    Done cross_faces();
     void touch(uint32_t v);
     void move_odd_turn(uint32_t& from, uint32_t to);
     int turn_round(uint32_t v) const;
@@ -72,7 +73,7 @@ private:
     SignBundle& bundle_;
     TwistedForm& du_;
     Array<uint8_t>& taken_;
-    Array<uint8_t>* untouched_;
+    MovedZeros* moved_;
     Array<uint32_t> settled_; // per face: the way to it is known; NONE: it is not
     Array<Reached> reached_;
     NearestFirst nearest_;    // of reached_
