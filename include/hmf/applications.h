@@ -476,7 +476,7 @@ HMF_API hmf_status hmf_trace(const hmf_foliation *foliation, const hmf_trace_opt
 typedef struct hmf_cylinder {
     uint32_t loop;               /* number of its loop; HMF_NONE if no loops were given */
     uint32_t reserved;           /* 0 */
-    double height;               /* the weight of the loop, rounded to a multiple of hmf_foliation_unit */
+    double height;               /* the weight of the loop, up to rounding: at most 64 times hmf_foliation_unit */
     double circumference;        /* of the flat metric du^2 + dv^2, in the unit of the values */
     double modulus;              /* height / circumference */
     double area;                 /* in the flat metric; areas add up to the energy */

@@ -6,8 +6,8 @@
 //
 // A line is printed for each map that is refused, and a table at the end.
 #include "support/map_judge.hpp"
+#include "support/map_problems.hpp"
 #include "support/sample.hpp"
-#include "support/tubes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,101 +19,13 @@
 namespace test_map_campaign {
 
 using namespace test;
+using namespace test::map_problems;
 
 namespace {
 
 uint64_t number(const char* name, uint64_t otherwise) {
     const char* text = std::getenv(name);
     return text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
-
-struct Problem {
-    TriMesh mesh;
-    std::vector<uint32_t> marks;
-    Loops loops; // empty: those of the library
-    int32_t kind = HMF_LOOPS_CUT;
-    bool has_boundary = false;
-    std::vector<double> weights; // of the loops, in turn; empty: all 1
-};
-
-std::vector<uint32_t> random_marks(const TriMesh& mesh, size_t count, Random& random) {
-    std::vector<uint32_t> marks;
-    while (marks.size() < count) {
-        const auto v = static_cast<uint32_t>(random.below(mesh.vertex_count()));
-        if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
-    }
-    return marks;
-}
-
-Problem closed(Random& random) {
-    Problem p;
-    p.mesh = closed_tube(random_tube(random));
-    return p;
-}
-
-Problem open(Random& random) {
-    Problem p;
-    p.mesh = open_tube(random_tube(random));
-    p.has_boundary = true;
-    return p;
-}
-
-Problem sphere(Random& random) {
-    Problem p;
-    p.mesh = capped_tube(random_tube(random));
-    p.marks = suggested_marks(p.mesh);
-    p.kind = HMF_LOOPS_PANTS;
-    return p;
-}
-
-Problem marked(Random& random) {
-    Problem p = closed(random);
-    p.marks = random_marks(p.mesh, 1 + random.below(4), random);
-    p.kind = HMF_LOOPS_PANTS;
-    return p;
-}
-
-// Once along the tube and `turns` times around it: the loop along it after Dehn twists around a section.
-Problem twisted(Random& random) {
-    Problem p;
-    const TubeOptions o = random_tube(random);
-    p.mesh = closed_tube(o);
-    const size_t turns = random.below(3);
-    std::vector<uint32_t> path;
-    for (size_t i = 0, j = 0; i < o.rings; ++i) {
-        const size_t until = turns * o.corners * (i + 1) / o.rings;
-        for (;; ++j) {
-            path.push_back(static_cast<uint32_t>(i * o.corners + j % o.corners));
-            if (j == until) break;
-        }
-    }
-    p.loops.kind = HMF_PATH_VERTICES;
-    p.loops.add(path);
-    return p;
-}
-
-Problem with_handles(Random& random, size_t genus, int32_t kind) {
-    Problem p = closed(random);
-    while (p.mesh.genus < genus) {
-        const size_t rings = 1 + random.below(6);
-        if (!add_handle(p.mesh, rings, std::exp(-4 * random.unit()), random)) return {};
-    }
-    p.kind = kind;
-    return p;
-}
-
-Problem genus_two(Random& random) { return with_handles(random, 2, HMF_LOOPS_CUT); }
-Problem genus_two_pants(Random& random) { return with_handles(random, 2, HMF_LOOPS_PANTS); }
-Problem genus_three_pants(Random& random) { return with_handles(random, 3, HMF_LOOPS_PANTS); }
-
-// Some cylinders are thinner than a triangle: on its way to a vertex a zero crosses all of their leaves.
-Problem thin_cylinders(Random& random) {
-    Problem p;
-    const size_t holes = 2 + random.below(4);
-    p.mesh = pretzel(holes, 1);
-    p.kind = HMF_LOOPS_PANTS;
-    for (size_t loop = 0; loop < 3 * holes - 3; ++loop) p.weights.push_back(std::exp2(10 * random.unit() - 5));
-    return p;
 }
 
 struct Tally {
@@ -129,6 +41,12 @@ struct Tally {
 
 // exact: there are no zeros.
 void run(Problem p, bool exact, Tally& tally) {
+    if (p.is_sphere) p.marks = suggested_marks(p.mesh);
+    Loops drawn;
+    if (!p.path.empty()) {
+        drawn.kind = HMF_PATH_VERTICES;
+        drawn.add(p.path);
+    }
     const hmf_hierarchy_options options = with_marks(p.marks);
     hmf_hierarchy* raw = nullptr;
     if (p.mesh.vertex_count() == 0
@@ -140,15 +58,15 @@ void run(Problem p, bool exact, Tally& tally) {
     }
     hmf_hierarchy_destroy(raw);
     const Hierarchy hierarchy(p.mesh, options);
-    const auto set = p.loops.count() ? nullptr : loops_of(hierarchy, p.kind);
+    const auto set = drawn.count() ? nullptr : loops_of(hierarchy, p.kind);
     if (set) {
-        p.loops.kind = set->element_kind;
-        p.loops.level = set->level;
-        p.loops.offsets.assign(set->offsets, set->offsets + set->count + 1);
-        p.loops.elements.assign(set->elements, set->elements + set->offsets[set->count]);
+        drawn.kind = set->element_kind;
+        drawn.level = set->level;
+        drawn.offsets.assign(set->offsets, set->offsets + set->count + 1);
+        drawn.elements.assign(set->elements, set->elements + set->offsets[set->count]);
     }
-    p.loops.weights = p.weights;
-    const hmf_loop_set loops = p.loops.view();
+    drawn.weights = p.weights;
+    const hmf_loop_set loops = drawn.view();
     const Solution s = solve(hierarchy, set && p.weights.empty() ? *set : loops);
     ASSERT_EQ(s.status, HMF_OK) << s.error.message;
     hmf_parameterization* made = nullptr;
@@ -163,8 +81,8 @@ void run(Problem p, bool exact, Tally& tally) {
     ASSERT_EQ(status, HMF_OK) << error.message;
     ++tally.maps;
     const LevelMesh mesh = read_level(hierarchy, 0);
-    const bool crosses = p.loops.kind == HMF_PATH_TRIANGLES && !p.has_boundary;
-    const MapJudgment judged = judge_map(mesh, s.foliation, crosses ? p.loops : Loops(), *map);
+    const bool crosses = drawn.kind == HMF_PATH_TRIANGLES && !p.has_boundary;
+    const MapJudgment judged = judge_map(mesh, s.foliation, crosses ? drawn : Loops(), *map);
     EXPECT_EQ(judged.defect, "");
     EXPECT_NEAR(judged.area, map->area, 1e-9 * map->area);
     const double ratio = judged.area / s.report.energy;
