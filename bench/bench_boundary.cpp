@@ -61,8 +61,8 @@ void run_once(const readers::TriangleMesh& mesh, Run& run) {
         run.finest = std::min(run.finest, report.levels[0].optimize_seconds);
         run.coarser = std::min(run.coarser, coarser);
         run.certificate = std::min(run.certificate, report.class_seconds);
-        run.solves = report.levels[0].linear_solves;
-        run.sweeps = report.levels[0].iterations;
+        run.solves = report.levels[0].linear_solve_count;
+        run.sweeps = report.levels[0].sweep_count;
         run.energy = report.energy;
         run.boundaries = hmf_hierarchy_describe(hierarchy)->boundary_count;
     }

@@ -69,7 +69,7 @@ void row(const char* path) {
     if (status) {
         std::printf("| %s | %s |\n", name.c_str(), error.message);
     } else {
-        const Run before = solve(mesh, marks->vertices, marks->count, nullptr);
+        const Run before = solve(mesh, marks->marked_vertices, marks->marked_count, nullptr);
         const Run even = solve(mesh, design->marked_vertices, design->marked_count, design->loops);
         std::printf("| %s | %zu | %.2f | %.2f | %.2f | %llu | %llu | %.2f | %.1f |\n", name.c_str(),
                     mesh.vertex_count(), before.unevenness, design->unevenness, even.unevenness,

@@ -154,7 +154,7 @@ struct Cell {
 struct LevelCost {
     double vertices = 0, edges = 0;
     Cell optimize, interpolate, optimize_bound, interpolate_bound;
-    uint64_t sweeps = 0, linear_solves = 0;
+    uint64_t sweeps = 0, linear_solve_count = 0;
 };
 
 struct Result {
@@ -371,12 +371,12 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
     for (size_t l = 0; l < levels; ++l) {
         const hmf_level_report& from = report.levels[l];
         LevelCost& to = out.level[l];
-        const double e = static_cast<double>(from.edges),
+        const double e = static_cast<double>(from.edge_count),
                      c = l + 1 < levels ? static_cast<double>(report.levels[l + 1].edges) : 0;
-        to.vertices = static_cast<double>(from.vertices);
+        to.vertices = static_cast<double>(from.vertex_count);
         to.edges = e;
-        to.sweeps = from.iterations;
-        to.linear_solves = from.linear_solves;
+        to.sweeps = from.sweep_count;
+        to.linear_solve_count = from.linear_solve_count;
         to.optimize.add(from.optimize_seconds);
         to.interpolate.add(from.interpolate_seconds);
         // Optimize: weight, two ends, value read and written.  Interpolate:
@@ -521,7 +521,7 @@ void print(const std::vector<Soup>& soups, const std::vector<Result>& results, c
                             c.interpolate.text("%.4f").c_str(), c.interpolate_bound.text("%.4f").c_str());
             std::printf("| optimize %zu%s | %.0f | %s | %s | %llu | %llu |\n", l,
                         l + 1 == r.level.size() ? " (coarsest)" : "", c.vertices, c.optimize.text("%.4f").c_str(),
-                        c.optimize_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solves),
+                        c.optimize_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solve_count),
                         static_cast<unsigned long long>(c.sweeps));
         }
         std::printf("| rest of solve | | %s | | | |\n", r.rest.text("%.4f").c_str());

@@ -36,7 +36,7 @@ def main():
         job = r["build_seconds"] + r["loops_seconds"] + r["solve_seconds"]
         print("| %s | %d | %d | %.1f | %.4f | %.4f | %s | %d | %d | %.2f |" % (
             os.path.basename(mesh), info["triangles"], info["genus"], info["min_angle"], r["dilatation_mean"], r["dilatation_median"], p99,
-            r["flipped_triangles"], r["degenerate_triangles"], r["parameterize_seconds"] / job))
+            r["flipped_count"], r["degenerate_count"], r["parameterize_seconds"] / job))
 
 
 main()

@@ -57,7 +57,7 @@ void solve_all(const std::vector<Problem>& problems, std::vector<double>& least,
         r.seconds += least[i];
         r.unsolved += s != HMF_OK;
         if (const hmf_report* report = f ? hmf_foliation_report(f) : nullptr)
-            for (uint64_t k = 0; k < report->level_count; ++k) r.solves += report->levels[k].linear_solves;
+            for (uint64_t k = 0; k < report->level_count; ++k) r.solves += report->levels[k].linear_solve_count;
         hmf_foliation_destroy(f);
     }
 }

@@ -96,9 +96,10 @@ private:
         const Owned<hmf_mark_set> set(proposed);
         expect_status(status, error, {1, 2, 3});
         FUZZ_ASSERT((proposed != nullptr) == (status == HMF_OK));
-        if (set) FUZZ_ASSERT(set->count <= 24 && (set->count >= 4 || !on_sphere));
-        for (size_t i = 0; set && i < set->count; ++i) FUZZ_ASSERT(set->vertices[i] < vertices());
-        if (set && bytes_.byte() % 2 == 0) marks_.assign(set->vertices, set->vertices + set->count);
+        if (set) FUZZ_ASSERT(set->marked_count <= 24 && (set->marked_count >= 4 || !on_sphere));
+        for (size_t i = 0; set && i < set->marked_count; ++i) FUZZ_ASSERT(set->marked_vertices[i] < vertices());
+        if (set && bytes_.byte() % 2 == 0)
+            marks_.assign(set->marked_vertices, set->marked_vertices + set->marked_count);
         build_.marked_vertices = marks_.data();
         build_.marked_count = marks_.size();
     }

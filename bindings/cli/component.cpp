@@ -300,12 +300,12 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
     Json::Array levels, singular;
     for (uint64_t k = 0; k < r.level_count; ++k) {
         const hmf_level_report& level = r.levels[k];
-        levels.push_back(Json{{"vertices", level.vertices},
-                              {"edges", level.edges},
+        levels.push_back(Json{{"vertices", level.vertex_count},
+                              {"edges", level.edge_count},
                               {"nld", level.raised_count},
                               {"raised_count", level.raised_count},
-                              {"iterations", level.iterations},
-                              {"linear_solves", level.linear_solves},
+                              {"sweeps", level.sweep_count},
+                              {"linear_solves", level.linear_solve_count},
                               {"optimize_seconds", level.optimize_seconds},
                               {"interpolate_seconds", level.interpolate_seconds}});
     }
@@ -359,8 +359,8 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
         report.set("dilatation_median", p.dilatation_median);
         // Not finite where more than a hundredth of the area is degenerate.
         report.set("dilatation_p99", std::isfinite(p.dilatation_p99) ? Json(p.dilatation_p99) : Json());
-        report.set("flipped_triangles", p.flipped_triangles);
-        report.set("degenerate_triangles", p.degenerate_triangles);
+        report.set("flipped_count", p.flipped_count);
+        report.set("degenerate_count", p.degenerate_count);
         report.set("seam_edges", p.seam_edge_count);
         report.set("seam_length", p.seam_length);
         report.set("parameterize_seconds", p.seconds);

@@ -61,7 +61,7 @@ hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_hierarchy_options& 
     const hmf_status status = hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                                 mesh.triangle_count(), &options, control, &raw, &error);
     const Owned<hmf_mark_set> set(raw);
-    if (set) marks.assign(set->vertices, set->vertices + set->count);
+    if (set) marks.assign(set->marked_vertices, set->marked_vertices + set->marked_count);
     return status;
 }
 

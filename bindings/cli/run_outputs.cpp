@@ -169,7 +169,7 @@ void Run::write_atlas(const std::vector<std::pair<const Component*, Owned<hmf_ch
         atlas_.charts += charts->chart_count;
         atlas_.used += charts->used_area * side * side;
         atlas_.seams += charts->seam_length;
-        atlas_.collapsed += charts->collapsed_triangles;
+        atlas_.collapsed += charts->collapsed_count;
     }
     constexpr unsigned tiles = 16;
     if (extension_of(r_.atlas) == ".glb") write_textured_glb(r_.atlas, f_, uv.data(), 1, tiles);

@@ -42,7 +42,7 @@ Json::Array sum_of_levels(const Json::Array& reports) {
     Json::Array all;
     for (const Json::Array& row : rows) {
         Json level;
-        for (const char* key : {"vertices", "edges", "nld", "raised_count", "iterations", "linear_solves",
+        for (const char* key : {"vertices", "edges", "nld", "raised_count", "sweeps", "linear_solves",
                                 "optimize_seconds", "interpolate_seconds"})
             level.set(key, sum(row, key));
         all.push_back(level);
@@ -208,8 +208,7 @@ void Run::add_totals(Json& report) const {
     report.set("singularities", singular);
     for (const char* key : {"bad_flips", "bad_flips_left"}) report.set(key, sum(parts, key));
     report.set("converged", converged);
-    for (const char* key :
-         {"flipped_triangles", "degenerate_triangles", "seam_edges", "seam_length", "parameterize_seconds"})
+    for (const char* key : {"flipped_count", "degenerate_count", "seam_edges", "seam_length", "parameterize_seconds"})
         if (const Json total = sum(parts, key); !total.is_null()) report.set(key, total);
     report.set("components", parts);
 }

@@ -13,8 +13,10 @@
  *     hmf_atlas          charts without overlap in the unit square
  *
  * The rules of hmf.h apply.  Every result is one structure with counts and flat
- * arrays in one block: free it with hmf_free.  Calls that need a harmonic foliation
- * start from the minimum on the intrinsic triangulation, which hmf_solve stores.
+ * arrays in one block: free it with hmf_free.  The same input gives the same bits on
+ * every machine and for any number of threads.  hmf_solve and hmf_relax store the solved
+ * foliation, which calls that need a harmonic foliation use; for other foliations they
+ * start from the values.
  *
  * docs/loops.md, docs/quads.md, docs/atlas.md and docs/mathematics.md explain how
  * results are found.
@@ -32,15 +34,15 @@ extern "C" {
  * Several components
  * --------------------------------------------------------------------- */
 
-/* One component of a mesh: its ranges of the arrays of hmf_component_set.  first_* are
-   where they begin. */
+/* One component of a mesh, and where it lies in the arrays of hmf_component_set: the
+   first entry (first_*) and the number of entries. */
 typedef struct hmf_component {
-    hmf_status status;           /* status of hmf_hierarchy_create for it with the default options, mollify and its
-                                    marked vertices: HMF_OK, HMF_ERROR_MESH_GENUS if it carries no foliation, or its
-                                    defect */
-    int32_t element;             /* HMF_ELEMENT_* of the defect */
+    hmf_status status;           /* what hmf_hierarchy_create returns for it, with your mollify and marked vertices and
+                                    otherwise default options: HMF_OK, HMF_ERROR_MESH_GENUS (it carries no
+                                    foliation), or what is wrong with it */
+    int32_t element;             /* HMF_ELEMENT_* that is wrong */
     uint64_t index;              /* of the element, in the whole mesh */
-    uint64_t genus;              /* 0 if the status is a defect, like boundary_count */
+    uint64_t genus;              /* this and boundary_count: 0 unless status is HMF_OK or HMF_ERROR_MESH_GENUS */
     uint64_t boundary_count;
     uint64_t first_vertex;
     uint64_t vertex_count;
@@ -73,9 +75,9 @@ typedef struct hmf_component_set {
     const uint32_t *whole_edges; /* edge_count */
     const uint32_t *whole_triangles; /* triangle_count */
     const uint32_t *vertex_component; /* vertex_count: component of each vertex; HMF_NONE if it has no triangle */
-    const uint32_t *vertex_part; /* vertex_count: number of the vertex in its component */
-    const uint32_t *triangle_component; /* triangle_count, likewise */
-    const uint32_t *triangle_part;
+    const uint32_t *vertex_part; /* vertex_count: its number in that component; HMF_NONE if it has no triangle */
+    const uint32_t *triangle_component; /* triangle_count: component of each triangle */
+    const uint32_t *triangle_part; /* triangle_count: its number in that component */
 } hmf_component_set;
 
 /*
@@ -84,12 +86,14 @@ typedef struct hmf_component_set {
  *
  *     for (k = 0; k < set->count; ++k) {
  *         const hmf_component *c = &set->list[k];
- *         if (c->status) continue;                        no foliation: values 0
+ *         if (c->status) continue;                        no foliation: leave its values 0
+ *         options.position_stride = 0;                    part_positions is packed
  *         options.marked_vertices = set->part_marks + c->first_mark;
  *         options.marked_count = c->marked_count;
  *         hmf_hierarchy_create(set->part_positions + 3 * c->first_vertex, c->vertex_count,
  *                              set->part_triangles + 3 * c->first_triangle, c->triangle_count, &options, ...);
  *         hmf_solve(...);
+ *         own_values = hmf_foliation_values(foliation, NULL);
  *         for (e = 0; e < c->edge_count; ++e)
  *             values[set->whole_edges[c->first_edge + e]] = own_values[e];
  *     }
@@ -99,8 +103,8 @@ typedef struct hmf_component_set {
  *                          mesh), memory_limit, allocator
  *   out                    free with hmf_free
  *
- * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_MESH_COUNTS, HMF_ERROR_MESH_INDEX, or an
- * error of classes 100, 200.
+ * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_MESH_COUNTS, HMF_ERROR_MESH_INDEX (also for a
+ * marked vertex that does not exist), or an error of classes 100, 200.
  *
  * Each component is checked as by hmf_hierarchy_create; a defect is its status, not
  * an error of this call.  Elements of a component keep the order of the whole mesh.
@@ -118,8 +122,8 @@ HMF_API hmf_status hmf_components(const double *positions, size_t vertex_count, 
 typedef struct hmf_mark_set {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
-    uint64_t count;
-    const uint32_t *vertices;    /* count, at most 24 on each component */
+    uint64_t marked_count;
+    const uint32_t *marked_vertices; /* marked_count, at most 24 on each component */
 } hmf_mark_set;
 
 /*
@@ -128,15 +132,14 @@ typedef struct hmf_mark_set {
  *   options   used: position_stride, mollify, memory_limit, allocator
  *   out       free with hmf_free
  *
- * A sphere gets two at the tip of each limb (a protrusion), so that loops can go
- * around the limb: 4 to 24 vertices.  A disk gets its four corners, or four vertices
- * that divide its boundary into equal lengths, at corners if there are any nearby; if
- * its boundary is short (its squared length below twice the area), tips are marked as
- * on a sphere.  Each of several components gets its own, except those that
- * hmf_hierarchy_create refuses with any marked vertices.  The result is empty if none
- * are needed.  The same input gives the same result.
+ * A sphere gets two at the tip of each limb (a protrusion), so that loops can go around
+ * it: 4 to 24 vertices.  A disk gets four on its boundary, at corners where there are
+ * some; if its boundary is short, it is treated as a sphere.  Several components get
+ * theirs one by one; a component that is wrong gets none.  Surfaces that need no marked
+ * vertices get none.
  *
- * Returns as hmf_hierarchy_create.
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300 other than
+ * HMF_ERROR_MESH_COMPONENTS and HMF_ERROR_MESH_GENUS.
  */
 HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_count, const uint32_t *triangles,
                                      size_t triangle_count, const hmf_hierarchy_options *options,
@@ -148,30 +151,31 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
 
 /* Which loops to make. */
 typedef enum hmf_loops_kind {
-    HMF_LOOPS_CUT = 1,           /* genus loops that together cut the surface into one planar piece; on genus 0 around
-                                    pairs of marked vertices */
+    HMF_LOOPS_CUT = 1,           /* as many loops as the genus; cut along them, the surface is one sphere with holes. On
+                                    genus 0: around pairs of marked vertices */
     HMF_LOOPS_HANDLE = 2,        /* as CUT, with loops that bound inside the solid: they go around the handles */
     HMF_LOOPS_TUNNEL = 3,        /* as CUT, with loops that bound outside: they go around the holes */
-    HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked vertices loops (one on a torus without marked vertices) that
-                                    cut the surface into pairs of pants */
+    HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked vertices loops (one on a torus without marked vertices);
+                                    cut along them, the surface falls into spheres with three holes (pairs of pants),
+                                    where a marked vertex counts as a hole */
 } hmf_loops_kind;
-/* With boundary: CUT has genus many loops (genus 0 with marked vertices inside: round pairs of those, or of one and a
-   boundary) and one along each boundary (an annulus: one); a disk with fewer than two marked vertices inside has arcs
-   instead, each round two neighboring marked vertices of the boundary.  PANTS has, together with the mirror images,
-   the most loops that the double can have.  There is no HANDLE and no TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
+/* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many loops as the genus.  On
+   genus 0 with marked vertices inside, these go around two of them, or around one and a boundary.  A disk with fewer
+   than two marked vertices inside has arcs instead, each around two neighboring marked vertices of the boundary.
+   PANTS has as many loops and arcs as the double can have, mirror images included.  HANDLE and TUNNEL:
+   HMF_ERROR_MESH_BOUNDARY. */
 
 /*
  * Chooses loops on a level, as loops of triangles: simple, disjoint, essential, pairwise
  * not freely homotopic, and short.
  *
- *   level   with boundary: 0
+ *   level   any; with boundary 0, otherwise HMF_ERROR_LEVEL
  *   kind    HMF_LOOPS_*
  *   out     loops for hmf_solve, with weights NULL (all 1); free with hmf_free
  *
  * HANDLE and TUNNEL: each loop bounds a surface inside the solid, or outside.  This is
- * decided exactly, by linking numbers on level 0, with positions rounded to 1e-10 of
- * the size of the object.  Inside is where the surface encloses volume, for either
- * orientation of the triangles.
+ * decided exactly for the mesh of level 0.  Inside is where the surface encloses volume,
+ * for either orientation of the triangles.
  *
  * Returns HMF_OK, HMF_CANCELLED, or
  *   HMF_ERROR_MESH_GENUS         HANDLE or TUNNEL on genus 0
@@ -182,19 +186,18 @@ typedef enum hmf_loops_kind {
  *                                not determine a loop; use a finer level
  *   an error of classes 100, 200
  *
- * The result is deterministic.  The classes depend on the triangles alone, not on the
- * options of the hierarchy, and loop c is in the same class on every level.  For a
- * hierarchy with other than the default options, another hierarchy is built during the
- * call.  docs/loops.md describes how loops are chosen, and how stable they are under
- * remeshing.
+ * The classes depend on the mesh alone, not on the options of the hierarchy, and loop c is
+ * in the same class on every level.  If ratio, collapse or coarsest differ from the
+ * defaults, the call builds a second hierarchy for a while, with the time and memory of
+ * hmf_hierarchy_create.  docs/loops.md describes how loops are chosen, and how stable
+ * they are under remeshing.
  */
 HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind, const hmf_control *control,
                              hmf_loop_set **out, hmf_error *error);
 
 /*
- * Calls hmf_solve with the loops of hmf_loops (HMF_LOOPS_CUT, weights 1) on the coarsest
- * level; with boundary and for HMF_METHOD_SINGLE_LEVEL on level 0.  options->start must
- * be NULL.  Returns as hmf_loops and hmf_solve.
+ * Calls hmf_solve with the loops of HMF_LOOPS_CUT and weights 1.  options->start must be
+ * NULL, otherwise HMF_ERROR_OPTIONS.  Returns as hmf_loops and hmf_solve.
  */
 HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hmf_solve_options *options,
                                         const hmf_control *control, hmf_foliation **out, hmf_error *error);
@@ -205,14 +208,12 @@ HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hm
 
 typedef struct hmf_design_options {
     uint32_t struct_size;
-    int32_t no_poles;            /* 1: mark no vertices other than those of `build`, if possible; 0 */
+    int32_t no_poles;            /* 1: mark no vertices other than those of `build`, except on a sphere, and on a disk
+                                    for which `build` has none. 0: default. Others: HMF_ERROR_OPTIONS */
     const hmf_hierarchy_options *build; /* NULL = defaults. Used: position_stride, mollify, memory_limit, allocator, and
                                     marked vertices, which become part of the design */
-    uint64_t solve_limit;        /* budget of the search in solves of a mesh of about 1000 vertices, 3 ms each; a solve
-                                    with n loops counts 1 + n / 8. Default: the larger of 120 and edges / 400 (about
-                                    ten solves of the whole mesh), increased by up to 150 while the unevenness is
-                                    above 0.28. The search may exceed it by a few solves; with boundary it limits the
-                                    rounds */
+    uint64_t solve_limit;        /* effort of the search, about the number of solves of a mesh of 1000 vertices (3 ms
+                                    each); 0 = chosen by the size of the mesh. It may be exceeded by a few solves */
 } hmf_design_options;
 
 /* The defaults, see hmf_control_init. */
@@ -225,12 +226,12 @@ typedef struct hmf_design {
     uint64_t marked_count;
     const uint32_t *marked_vertices; /* marked_count, for hmf_hierarchy_options */
     const hmf_loop_set *loops;   /* triangle loops of level 0, for hmf_solve on a hierarchy with these marked vertices.
-                                    Weights are whole numbers, so that patterns of period 1 match everywhere; 1 is
-                                    about 1/44 of the size. Part of this block: do not free it */
-    double unevenness;           /* of the design, on the coarse mesh of the search; see hmf_scale */
-    double unevenness_before;    /* the same for HMF_LOOPS_CUT with weights 1 (genus 0: with a first choice of marked
-                                    vertices) */
-    uint64_t solves;             /* made by the search, derivatives included */
+                                    Weights are whole numbers, so that patterns of period 1 match everywhere. A weight
+                                    of 1 is about 1/44 of the diagonal of the bounding box. Part of this block: do
+                                    not free it */
+    double unevenness;           /* estimate for this design, see hmf_scale */
+    double unevenness_before;    /* estimate for HMF_LOOPS_CUT with weights 1 (genus 0: with marked vertices) */
+    uint64_t solves;             /* number of small solves that the search made */
 } hmf_design;
 
 /*
@@ -245,16 +246,14 @@ typedef struct hmf_design {
  *   options   NULL = defaults
  *   out       free with hmf_free
  *
- * The design marks one or two vertices at the tips of limbs (protrusions) that no loop
- * goes around, because the scale decays there.  Its loops are pants loops (HMF_LOOPS_PANTS)
- * of the surface with its marked vertices, without those of weight 0.  With boundary, marked
- * vertices are those of options->build or of hmf_suggest_marks; if there are none, a pair at
- * the tip of each limb is compared with none.
+ * Tips of limbs (protrusions) that no loop goes around may be marked, because the scale
+ * decays there.  The loops are those of HMF_LOOPS_PANTS or HMF_LOOPS_CUT on the surface
+ * with its marked vertices, without those of weight 0.  With boundary, marked vertices are
+ * those of options->build or of hmf_suggest_marks; if there are none, marked tips are used
+ * only where they make the scale more even.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found, or an
  * error as hmf_hierarchy_create.
- *
- * The result is deterministic: the search counts solves, not time.
  */
 HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count, const uint32_t *triangles,
                                    size_t triangle_count, const hmf_design_options *options,
@@ -267,9 +266,10 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
 typedef struct hmf_parameterize_options {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
-    double tolerance;            /* largest residual of the foliation, default 1e-2 */
-    const uint32_t *seam_edges;  /* edges where seams cost nothing, so that seams prefer them; NULL = none */
-    uint64_t seam_edge_count;
+    double tolerance;            /* largest residual that is accepted, default 1e-2; above it
+                                    HMF_ERROR_VALUE_NOT_HARMONIC */
+    const uint32_t *seam_edges;  /* seam_edge_count edges of the level along which to cut by preference; NULL = none */
+    uint64_t seam_edge_count;    /* with seam_edges NULL, or an edge that does not exist: HMF_ERROR_OPTIONS */
 } hmf_parameterize_options;
 
 /* The defaults, see hmf_control_init. */
@@ -283,26 +283,27 @@ typedef struct hmf_parameterization {
     uint64_t triangle_count;
     const double *corner_uv;     /* triangle_count x 3 x 2: (u, v) of each corner */
     const double *transition;    /* edge_count x 3: sign, du, dv; see below */
-    const uint8_t *seam;         /* edge_count: 1 where the layout is cut */
+    const uint8_t *seam;         /* edge_count: 1 on seams, where the (u, v) of the two sides differ */
     const int32_t *cone;         /* vertex_count: cone angle as a multiple of pi, 2 = regular */
     const double *dilatation;    /* triangle_count: ratio of the singular values of the map, >= 1; negative if the image
-                                    is flipped, infinite if it is degenerate */
+                                    is flipped; infinite if degenerate: above 1000, or too small to measure */
     const double *differential;  /* triangle_count x 2: quadratic differential, real and imaginary part */
     double dilatation_mean;      /* mean of the absolute values, weighted by area, without degenerate triangles */
-    double dilatation_median;    /* quantiles by area, of all triangles */
+    double dilatation_median;    /* quantiles by area of the absolute values; degenerate triangles are infinite */
     double dilatation_p99;
-    uint64_t flipped_triangles;
-    uint64_t degenerate_triangles; /* dilatation above 1000, or an image too small to measure */
+    uint64_t flipped_count;      /* triangles */
+    uint64_t degenerate_count;   /* triangles */
     uint64_t seam_edge_count;
     double seam_length;          /* in the unit of the positions */
     double area;                 /* of the image: the energy, up to discretization */
-    uint64_t linear_iterations;
-    double seconds;
-    /* What the checks measured; the bounds are below. */
-    double energy_ratio;         /* energy of du / energy of the foliation; not 1 where zeros move to vertices */
-    double area_error;           /* relative difference of the area of the image and the energy of du */
-    double circumference_least;  /* circumference of a cylinder by du / by the foliation, the smallest of all */
-    double circumference_most;   /* and the largest */
+    uint64_t linear_iterations;  /* of the linear solver */
+    double seconds;              /* duration of the call */
+    /* What the checks measured.  The energy of du is the sum of weight * du^2. */
+    double energy_ratio;         /* energy of du / energy of the foliation, in (0.9, 1.5); not exactly 1, because zeros
+                                    are moved to vertices */
+    double area_error;           /* relative difference of the area of the image and the energy of du, at most 1e-4 */
+    double circumference_least;  /* smallest ratio of a circumference in (u, v) to that of hmf_cylinders, above 0.5 */
+    double circumference_most;   /* and the largest, below 2 */
 } hmf_parameterization;
 
 /*
@@ -318,31 +319,31 @@ typedef struct hmf_parameterization {
  *
  *     (u', v') = sign * (u, v) + (du, dv),      sign = +1 or -1.
  *
- * This holds exactly: all numbers are multiples of one power of two, below 2^53 of it.  Edges
- * off the seams and on the boundary have (1, 0, 0).  Because of the signs, (du + i dv)^2 has
- * no seams: it is the holomorphic quadratic differential.  It is given per triangle as
- * the square of d(u + i v) / dz, where z = x + i y in the frame of the triangle: x along
- * its side 0, y to the left of it.
+ * This holds exactly: all numbers are multiples of one power of two, and less than 2^53
+ * times it.  Edges that are not seams, and boundary edges, have (1, 0, 0).  The square
+ * (du + i dv)^2 does not depend on the sign, so it is the same on both sides of a seam: the
+ * holomorphic quadratic differential.  It is given per triangle as the square of
+ * d(u + i v) / dz, in squared units of the values / the positions, where z = x + i y in the
+ * frame of the triangle: x along its side 0, y to the left of it.
  *
- * Zeros in triangles are moved to vertices, one zero per vertex, and not to marked ones; near the
- * zeros u differs from the foliation accordingly.  A zero of order m has the cone angle
- * (2 + m) * pi, a marked vertex that is a pole has pi, and the sum of (2 - cone) is
+ * Zeros in triangles are moved to vertices that are not marked, at most one to a vertex;
+ * near the zeros u differs from the foliation accordingly.  A zero of order m has the cone
+ * angle (2 + m) * pi, a marked vertex with one prong has pi, and the sum of (2 - cone) is
  * 4 - 4 * genus.  At a vertex of the boundary the cone angle is that of the double: 2 where the
  * boundary is straight, 1 at a corner of 90 degrees.  Triangles where the foliation is 0
  * (on limbs that no loop goes around) are degenerate.
  *
- * Checked before the result is returned: u is harmonic and does not change along the closed
- * leaves, the energy of du is between 0.9 and 1.5 times that of the foliation, circumferences
- * of cylinders are between 0.5 and 2 times those of the foliation, du and dv are closed in
- * every triangle, the area of the image is the energy of du up to 1e-4, and without signs,
- * where flipped triangles count too, at most 1.5 times that of the foliation.  Cylinders
- * thinner than the triangles, whose leaves are all crossed by zeros on their way to vertices,
- * count as one: what the areas of the others leave of the energy of du.
+ * Before the result is returned it is checked: u is harmonic and constant along the closed
+ * leaves, du and dv are closed in every triangle, the linear solves have converged, energies,
+ * areas and circumferences are within the bounds above, and the sum of the absolute areas of
+ * the triangles is at most 1.5 times the energy of the foliation, so nothing is folded.
+ * Cylinders thinner than the triangles, of which zeros have crossed every leaf on their way to
+ * vertices, count as one, with the area that the others leave of the energy of du.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
- * 200, 500, or HMF_ERROR_UNSUPPORTED if the mesh is too coarse: it has no vertex for each
- * zero, or moving the zeros changes more than the bounds above; or if the linear systems
- * could not be solved accurately enough.
+ * 200, 500, or HMF_ERROR_UNSUPPORTED: the mesh is too coarse (it has no vertex for each zero,
+ * or moving the zeros changes more than these bounds), or the linear systems could not be
+ * solved accurately enough.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
                                     const hmf_control *control, hmf_parameterization **out, hmf_error *error);
@@ -352,17 +353,20 @@ HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_pa
  * --------------------------------------------------------------------- */
 
 typedef struct hmf_scale {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
     uint64_t triangle_count;     /* of the level */
     const double *log_scale;     /* triangle_count: natural logarithm of |grad u| on each triangle, where |du| is the
                                     foliation: the local scale of a conformal (u, v), in the unit of the values / the
-                                    unit of the positions. At least the largest one - 16.1 */
+                                    unit of the positions. Values more than 16.1 below the largest are raised to
+                                    that */
     double unevenness;           /* standard deviation of log_scale over the surface (scale distortion); 0 if the scale
                                     is constant */
 } hmf_scale;
 
-/* Computes the conformal scale of any foliation, from the values and the positions of its
-   level.  Free the result with hmf_free.
-   Returns HMF_OK, or an error of classes 100, 200. */
+/* Computes the conformal scale of any foliation, even with poles, from the values and the
+   positions of its level.  Free the result with hmf_free.
+   Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200. */
 HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, hmf_scale **out,
                                        hmf_error *error);
 
@@ -372,13 +376,13 @@ HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf
 
 typedef enum hmf_line_kind {
     HMF_LINE_LEVEL = 1,          /* a closed leaf at a given height of its cylinder */
-    HMF_LINE_CRITICAL = 2,       /* a leaf between two zeros */
+    HMF_LINE_CRITICAL = 2,       /* a leaf that starts at a zero or at a marked vertex */
     HMF_LINE_POINT = 3           /* the leaf through a given point */
 } hmf_line_kind;
 
 typedef enum hmf_line_end {
-    HMF_END_CLOSED = 0,          /* none: the last point joins the first */
-    HMF_END_ZERO = 1,            /* at a zero */
+    HMF_END_CLOSED = 0,          /* no end: the line is closed */
+    HMF_END_ZERO = 1,            /* at a zero or at a marked vertex */
     HMF_END_LIMIT = 2,           /* at the length limit */
     HMF_END_NOWHERE = 3,         /* the given point lies where the foliation is 0: a line without points */
     HMF_END_CRITICAL = 4,        /* of a conjugate line: on a critical leaf, where its cylinder ends */
@@ -393,13 +397,15 @@ typedef enum hmf_leaves_kind {
 
 typedef struct hmf_trace_options {
     uint32_t struct_size;
-    int32_t critical;            /* not 0: all leaves that start at zeros */
-    double spacing;              /* > 0: level sets at about this distance, in the unit of the values; 0 = none */
+    int32_t critical;            /* not 0: all critical leaves; also traced if spacing and point_count are 0 */
+    double spacing;              /* > 0: level sets at about this distance, in the unit of the values, at most 2^20 in a
+                                    cylinder, otherwise HMF_ERROR_OPTIONS; 0 = none */
     double length_limit;         /* length at which a leaf stops, in each direction, in the unit of the positions; 0 =
                                     none, for conjugate leaves ten times the square root of the area */
     uint64_t point_count;        /* number of points to trace leaves through; 0 = none */
     const uint32_t *point_triangles;      /* point_count */
-    const double *point_barycentrics; /* point_count x 3, for the corners of the triangle; not negative, with sum 1 */
+    const double *point_barycentrics; /* point_count x 3, for the corners of the triangle; not negative, with sum 1
+                                    (within 1e-6) */
     int32_t leaves;              /* HMF_LEAVES_* */
     uint32_t reserved;           /* 0 */
 } hmf_trace_options;
@@ -411,13 +417,14 @@ typedef struct hmf_line {
     int32_t kind;                /* HMF_LINE_* */
     int32_t closed;              /* 1 if the last point joins the first, which is not repeated; otherwise 0 */
     int32_t begin, end;          /* HMF_END_* */
-    uint32_t begin_zero, end_zero; /* number of the zero in the list of hmf_singularities; otherwise HMF_NONE */
-    uint32_t cylinder;           /* number in the list of hmf_cylinders; HMF_NONE for critical leaves, and for all on a
-                                    surface with boundary if a part that no leaf crosses contains a boundary and more */
-    uint32_t source;             /* number of the point, of the level set from the lower side of its cylinder, or of the
-                                    critical leaf */
-    double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical
-                                    leaves */
+    uint32_t begin_zero, end_zero; /* number of the zero or marked vertex in the list of hmf_singularities, or
+                                    HMF_NONE */
+    uint32_t cylinder;           /* number in the list of hmf_cylinders; HMF_NONE for critical leaves, on level 0 of a
+                                    surface with boundary, and with HMF_END_NOWHERE */
+    uint32_t source;             /* HMF_LINE_POINT: number of the point; HMF_LINE_LEVEL: number of the level set in its
+                                    cylinder, from the lower side; HMF_LINE_CRITICAL: number of the leaf */
+    double height;               /* above the lower side of the cylinder (one of its two sides, always the same one),
+                                    in the unit of the values; 0 for critical leaves */
     double length;               /* in the unit of the positions */
 } hmf_line;
 
@@ -430,9 +437,9 @@ typedef struct hmf_lines {
                                     then those through points */
     const uint64_t *offsets;     /* line_count + 1; line k has the points from offsets[k] to offsets[k+1] - 1 */
     const double *points;        /* point_count x 3 coordinates */
-    const uint32_t *point_edges; /* point_count edges of the level that the points lie on; HMF_NONE for the middle of
-                                    a zero in a triangle */
-    uint64_t compared_count;     /* pairs of neighboring points that were checked, see below */
+    const uint32_t *point_edges; /* point_count: edge of the level that the point lies on; HMF_NONE inside a triangle
+                                    (at a zero, or the end of a conjugate line) and at some boundary vertices */
+    uint64_t compared_count;     /* pairs of consecutive points, a sample, that were checked to lie on one leaf */
     double deviation;            /* largest difference of the values at both points of a pair, in the unit of the
                                     values */
 } hmf_lines;
@@ -440,12 +447,12 @@ typedef struct hmf_lines {
 /*
  * Traces leaves of a foliation as polylines.
  *
- *   options     which leaves; NULL or all 0: the critical ones
+ *   options     which leaves; NULL: the critical ones
  *   out         free with hmf_free
  *
- * Consecutive points lie in one triangle.  Leaves are followed in exact integers: no two
- * cross, each closes exactly, and only critical leaves end, at zeros.  A torus has no
- * critical leaves.
+ * Consecutive points lie in one triangle.  Leaves are followed in exact integers, so no two
+ * cross.  Leaves that are not critical close, unless length_limit or a boundary ends them.
+ * A torus has no critical leaves.
  *   level sets       each cylinder gets round(height / spacing), at least one, evenly
  *                    spaced with half a space at either side, so that they match across
  *                    critical leaves
@@ -455,17 +462,17 @@ typedef struct hmf_lines {
  * Conjugate leaves do not close in general.  Their level sets are lines across each
  * cylinder, round(circumference / spacing) of them; with the level sets of the foliation
  * they form a grid.  Leaves out of zeros end at another zero or at the length limit; leaves
- * through points close or end at the limit.  In each direction a conjugate leaf has at most
- * 2^20 points and 64 for each edge of the mesh; there it ends as at the length limit.
- * begin_zero, end_zero, height and, except for level sets, cylinder are not set.
+ * through points close or end at the limit.  The number of points is limited as well, far
+ * above any useful one; there a line ends in the same way.  begin_zero and end_zero are
+ * HMF_NONE, height is 0, and cylinder is HMF_NONE except for level sets.
  *
  * With boundary (level 0) the leaves are those of the double, cut at the boundary.  A leaf
  * can give several lines with the same source, in order along the leaf.  begin_zero,
- * end_zero and cylinder are HMF_NONE, and heights are those in the double.  A leaf near the
- * boundary may cross it repeatedly by less than the residual; parts shorter than 1e-6 of a
- * leaf are left out.
+ * end_zero and cylinder are HMF_NONE, and heights are those in the double.  A leaf close to
+ * the boundary may cross it many times within rounding; such tiny pieces are left out.
  *
- * The foliation need not be harmonic, except for conjugate leaves, as for hmf_cylinders.
+ * The foliation need not be harmonic.  For conjugate leaves it must be, as for
+ * hmf_cylinders, otherwise HMF_ERROR_VALUE_NOT_HARMONIC.
  *
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 500.  For a bad point
  * (HMF_ERROR_OPTIONS) error->index is its number.
@@ -479,7 +486,8 @@ typedef struct hmf_cylinder {
     double height;               /* the weight of the loop, up to rounding: at most 64 times hmf_foliation_unit */
     double circumference;        /* of the flat metric du^2 + dv^2, in the unit of the values */
     double modulus;              /* height / circumference */
-    double area;                 /* in the flat metric; areas add up to the energy */
+    double area;                 /* in the flat metric, measured separately: height * circumference up to
+                                    discretization; areas add up to the energy */
 } hmf_cylinder;
 
 typedef struct hmf_cylinder_set {
@@ -503,16 +511,16 @@ typedef struct hmf_cylinder_set {
  *
  * Heights are exact.  Circumference, modulus and area are those of the minimum.  There the
  * energy is the sum of height * circumference and the sum of the areas, which is checked.
- * Cylinders are matched to loops by their free homotopy classes, exactly; with marked
- * vertices this takes the time of two solves on the coarsest level.
+ * Cylinders are matched to loops by their free homotopy classes, exactly.
  *
- * With boundary, level 0 and loops are required.  For an arc the cylinder is a strip whose
- * circumference is the length of a leaf from boundary to boundary, and its leaf is an arc.  For a
- * loop around a boundary it is the half of the cylinder on the surface.
+ * With boundary, level 0 and loops are required, otherwise HMF_ERROR_UNSUPPORTED.  For an
+ * arc the cylinder is a strip: its circumference is the length of a leaf from boundary to
+ * boundary, and its leaf is an arc.  Of the cylinder around a boundary only the half on the
+ * surface counts, with half the height and area.
  *
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 400, 500;
  * HMF_ERROR_VALUE_CLASS if the values do not belong to the loops,
- * HMF_ERROR_VALUE_NOT_HARMONIC if their energy is 1 % above the minimum.
+ * HMF_ERROR_VALUE_NOT_HARMONIC if their energy is more than 1 % above the minimum.
  */
 HMF_API hmf_status hmf_cylinders(const hmf_foliation *foliation, const hmf_loop_set *loops,
                                  const hmf_control *control, hmf_cylinder_set **out, hmf_error *error);
@@ -520,13 +528,13 @@ HMF_API hmf_status hmf_cylinders(const hmf_foliation *foliation, const hmf_loop_
 typedef struct hmf_quad_options {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
-    double edge_length;          /* target for the mean edge length, in the unit of the positions; default: half as many
+    double edge_length;          /* target for the mean edge length, in the unit of the positions; 0 = half as many
                                     quads as triangles */
-    uint64_t count;              /* target number of quads, instead of edge_length; 0 = none */
-    int32_t merge;               /* not 0: zeros joined by a critical leaf shorter than half an edge become one vertex;
-                                    other critical leaves get at least one quad instead of 2, cylinders at least 2
-                                    rows */
-    int32_t keep_poles;          /* not 0: a pole stays a vertex with two edges */
+    uint64_t count;              /* target number of quads; 0 = by edge_length. Both: HMF_ERROR_OPTIONS */
+    int32_t merge;               /* not 0: allow coarser quads. Zeros joined by a critical leaf shorter than half an
+                                    edge of a quad become one vertex; the minimum is one quad along a critical leaf
+                                    (otherwise 2) and 2 rows in a cylinder (otherwise 3) */
+    int32_t keep_poles;          /* not 0: a marked vertex with one prong stays a vertex with two edges */
     uint64_t relax;              /* rounds in which vertices move on the surface, at most 1000, about 40 suffice; 0 =
                                     vertices stay on their leaves */
 } hmf_quad_options;
@@ -542,11 +550,12 @@ typedef struct hmf_quad_mesh {
     const double *positions;     /* vertex_count x 3, points of the surface */
     const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
     uint64_t irregular_count;    /* vertices that do not have 4 edges, on the boundary 3 */
-    uint64_t inverted_count;     /* quads with a corner of 0, or of at least 180 degrees, seen from outside the surface
-                                    where they lie; folded quads count as well */
-    double edge_length;          /* square root of (area of the surface / number of quads) */
+    uint64_t inverted_count;     /* quads with a corner of at most 0 or at least 180 degrees, or that face against the
+                                    surface nearest to them */
+    double edge_length;          /* side of a square of the mean area: sqrt(area of the surface / number of quads) */
     double area_ratio;           /* area of the quads / area of the surface; far above 1 if quads overlap */
-    double distance;             /* greatest distance of a vertex of the surface from the quads near it */
+    double distance;             /* greatest distance from a vertex of the surface to the quads, measured to the quads
+                                    around it, in the unit of the positions */
 } hmf_quad_mesh;
 
 /*
@@ -562,18 +571,17 @@ typedef struct hmf_quad_mesh {
  * foliation is small.  There are at least 3 quads across a cylinder and 2 along a critical
  * leaf; fewer with `merge`.
  *
- * The first vertices are the zeros, in the order of hmf_singularities.  A zero of order m has
- * 2 m + 4 edges; every other vertex has 4.  Zeros that only discretization keeps apart may be
- * merged; their orders add up.  One quad covers a marked vertex with one prong, between two
- * vertices with 3 edges; if a leaf of two columns joins two such vertices, one quad with
- * four vertices of 3 edges closes the end.
+ * The first vertices are the zeros, in the order of hmf_singularities.  If zeros were
+ * merged (`merge`, or zeros that only discretization keeps apart), there are fewer of them
+ * and their orders add up.  A zero of order m has 2 m + 4 edges.  A marked vertex with one
+ * prong is covered by one quad, two of whose vertices have 3 edges; two of them close
+ * together may share a quad, all of whose vertices have 3 edges.  Every other vertex has 4
+ * edges, on the boundary 3.
  *
  * With `count` the number of quads is met as nearly as the grids allow, and is at least what
- * the cylinders need.  With `relax` vertices leave the leaves and move on the surface to improve
- * angles and sides.  They also move to edges sharper than 40 degrees, to corners of such edges,
- * and to the tips of protrusions larger than half an edge.  No step inverts a corner.  If quads
- * remain inverted, the best of several attempts is returned, if necessary the unrelaxed
- * one; inverted_count counts them.
+ * the cylinders need.  With `relax` vertices leave the leaves and move on the surface to
+ * improve angles and sides; they also move to sharp edges, corners and tips of protrusions.
+ * inverted_count counts the quads that remain inverted.
  *
  * With boundary (level 0) boundary vertices lie on the boundary of the surface: rows end there
  * where leaves run along it, columns where leaves meet it.  Zeros of the boundary are vertices,
@@ -581,14 +589,13 @@ typedef struct hmf_quad_mesh {
  * each corner of the boundary of more than 45 degrees gets a vertex, and the other vertices
  * slide along the boundary.  Triangles at the boundary that no leaf crosses may be left out.
  *
- * Relaxed quads are refused if there are at least 100 and one in 20 is inverted, or if they
- * have less than 3/4 or more than 4/3 of the area of the surface.  Then twice as many quads
- * are tried, up to eight times as many as requested.
+ * If relaxed quads do not follow the surface, smaller ones are tried, up to eight times as
+ * many as requested.
  *
  * Returns HMF_OK, HMF_CANCELLED, or
- *   HMF_ERROR_QUADS        all of these are refused; a zero surrounds a part of the surface that
- *                          no leaf crosses; or no numbers of columns match on all cylinders,
- *                          because edges are too long or the mesh is too coarse
+ *   HMF_ERROR_QUADS        even these do not follow the surface; a part of the surface that no
+ *                          leaf crosses is not a disk; or no numbers of columns fit all
+ *                          cylinders at once: edges are too long, or the mesh is too coarse
  *   HMF_ERROR_UNSUPPORTED  a coarser level of a surface with boundary
  *   HMF_ERROR_OPTIONS      also if there would be more than 2^28 quads
  *   an error of classes 100, 200, 500
@@ -620,13 +627,12 @@ typedef struct hmf_chart_set {
     double used_area;            /* part of the square covered by triangles */
     double seam_length;          /* in the unit of the positions, each side between two triangles once */
     uint64_t seam_edge_count;    /* edges whose two triangles do not meet in the square */
-    uint64_t collapsed_triangles; /* triangles whose image has no positive area: smaller than a millionth of the square
-                                    across, where the foliation is nearly 0 */
+    uint64_t collapsed_count;    /* triangles without positive area in the square, where the foliation is nearly 0 */
     double unevenness;           /* standard deviation over the surface of the logarithm of the scale, the square root
                                     of (area in the square / area in space), without collapsed triangles */
-    uint64_t speck_count;        /* triangles that the check of overlaps leaves out: those without area in the square,
-                                    and those less than a millionth of it across */
-    uint64_t compared_edges;     /* edges of charts that the check compared */
+    uint64_t speck_count;        /* triangles that the check of overlaps leaves out: without area in the square, or
+                                    smaller than a millionth of it across */
+    uint64_t compared_count;     /* edges of charts that the check compared */
 } hmf_chart_set;
 
 /*
@@ -644,14 +650,13 @@ typedef struct hmf_chart_set {
  * boundary edges are not seams.  Triangles keep their orientation: inverted triangles of (u, v)
  * are corrected by moving a vertex, or take the shape that they have in space.
  *
- * No two triangles overlap, except collapsed ones.  This is checked in integers, on a grid of
- * 2^28 units along the square root of the area.  Charts keep the margin from each other along u or
- * along v.  Even designs (hmf_even_design) give fewer and larger charts.
+ * No two triangles overlap, except those of speck_count.  Charts keep the margin from each
+ * other along u or along v.  Even designs (hmf_even_design) give fewer and larger charts.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
- * 200, 500, or HMF_ERROR_UNSUPPORTED on coarser levels of a surface with boundary, if the
- * margin is too large for the number of charts, or if a chart would be 1000 times as long as
- * the square, which triangles of nearly zero area cause.
+ * 200, 500, or HMF_ERROR_UNSUPPORTED: on coarser levels of a surface with boundary; if the
+ * margin is too large for the number of charts; or if a chart would be 1000 times as long
+ * as the square, as with triangles of nearly zero area.
  */
 HMF_API hmf_status hmf_atlas(const hmf_foliation *foliation, const hmf_atlas_options *options,
                              const hmf_control *control, hmf_chart_set **out, hmf_error *error);

@@ -37,7 +37,7 @@ inline std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t
                                            const ProgressFunction& progress = nullptr) {
     const auto set = detail::make_of_mesh<hmf_mark_set>(progress, hmf_suggest_marks, positions, triangles,
                                                         detail::raw(options));
-    return {set->vertices, set->vertices + set->count};
+    return {set->marked_vertices, set->marked_vertices + set->marked_count};
 }
 
 struct DesignOptions {

@@ -367,6 +367,8 @@ HMF_API const hmf_hierarchy_info *hmf_hierarchy_describe(const hmf_hierarchy *hi
 
 /* The mesh of one level. */
 typedef struct hmf_level_mesh {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
     uint64_t vertex_count;
     uint64_t edge_count;
     uint64_t triangle_count;
@@ -404,13 +406,16 @@ typedef enum hmf_path {
 typedef struct hmf_loop_set {
     uint32_t struct_size;
     int32_t element_kind;        /* HMF_PATH_TRIANGLES or HMF_PATH_VERTICES */
-    uint64_t level;              /* level of the elements; loops of fine levels are restricted exactly */
-    uint64_t count;
-    const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
-    const uint32_t *elements;    /* offsets[count] */
-    const double *weights;       /* count, each in [1e-100, 1e100), within a factor of 2^20; NULL = all 1 */
-    const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie
-                                    at the boundary; NULL = all are closed */
+    uint64_t level;              /* level whose elements are named; with boundary 0. hmf_solve carries the loops
+                                    exactly to the levels where it needs them, finer or coarser */
+    uint64_t count;              /* number of loops, at least 1 */
+    const uint64_t *offsets;     /* count + 1, increasing from 0, otherwise HMF_ERROR_LOOP_COUNT; loop c is
+                                    elements[offsets[c]] .. elements[offsets[c+1]-1] */
+    const uint32_t *elements;    /* offsets[count]; NULL here or in offsets is HMF_ERROR_NULL */
+    const double *weights;       /* count, each in [1e-100, 1e100); the largest is at most 2^20 times the smallest;
+                                    NULL = all 1 */
+    const uint8_t *arcs;         /* count; not 0 = an arc, whose first and last element lie at the boundary (on a
+                                    closed surface HMF_ERROR_LOOP_NOT_CLOSED); NULL = all are closed */
     const uint32_t *arc_sides;   /* count x 2, for arcs of triangles: the side (0 to 2) of the first triangle where the
                                     arc begins, and of the last one where it ends; HMF_NONE = the first side on the
                                     boundary; NULL = HMF_NONE for all */
@@ -420,15 +425,17 @@ typedef struct hmf_loop_set {
  * Makes the initial foliation of the loops ([W] 3.3): the value of an edge is the
  * sum of the weights of the loops that cross it.
  *
- *   loops      on any level
+ *   loops      on any level; with boundary on level 0, otherwise HMF_ERROR_LEVEL
  *   out        the foliation on loops->level, without a report
  *
- * Every loop must be closed, simple and essential, and the loops must be disjoint
- * and pairwise not freely homotopic.  Loops may touch themselves and each other, at
- * elements and along stretches, if they can be pushed apart there.  They may go back
- * and forth: they are pulled tight first, so that the result has no poles.
+ * Loops must not cross themselves or each other.  No loop may bound a disk with fewer
+ * than two marked vertices, and no two loops may be deformable into each other (freely
+ * homotopic) on the surface without its marked vertices.  A path of vertices must not
+ * pass through a marked vertex.  Loops may touch themselves and each other, at elements
+ * and along stretches, if they can be pushed apart there.  A loop may double back on
+ * itself: such detours are removed first, so that the result has no poles.
  *
- * Returns HMF_OK, or an error of classes 100 (HMF_ERROR_UNSUPPORTED as in
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100 (HMF_ERROR_UNSUPPORTED as in
  * hmf_solve), 200, 400.  For class 400 error->index is the loop.
  */
 HMF_API hmf_status hmf_foliation_from_loops(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
@@ -441,20 +448,23 @@ HMF_API hmf_status hmf_foliation_from_loops(const hmf_hierarchy *hierarchy, cons
 /*
  * Makes a foliation from values, one for each edge of a level.
  *
- *   values     count = edge_count of the level, in the order of its edges
+ *   values     one for each edge of the level, in its order
+ *   count      edge_count of the level, otherwise HMF_ERROR_COUNT
  *   out        the foliation on the level, without a report
  *
  * Values must be results of the library.  They may have been written with 17
  * digits and read again, or multiplied by a power of two.  They are copied and
- * validated: closed, not negative, at most 1e300, the largest at least 1e-270.
- * With boundary the mirror image gets the same values.
+ * validated: none is negative or above 1e300, the largest is at least 1e-270, all are
+ * multiples of one power of two, and every triangle inequality holds ("closed").  On
+ * level 0 of a surface with boundary you pass your half; the mirror image gets the same
+ * values.  On coarser levels you pass the values of the double.
  *
- * Returns HMF_OK, or an error of classes 100, 200, 500.  Values that are all 0 give
- * HMF_ERROR_VALUE_POLE.
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 500.  Values that are
+ * all 0 give HMF_ERROR_VALUE_POLE.
  *
- * Other numbers cannot be made valid by rounding edge by edge, because that breaks
- * triangle inequalities that hold with equality; start from loops instead.  Values
- * with poles are accepted, but only hmf_singularities and hmf_energy take such a
+ * Do not round other numbers edge by edge: many triangle inequalities hold with
+ * equality, and rounding breaks them.  Start from loops instead.  Values with poles are
+ * accepted, but only hmf_singularities, hmf_energy and hmf_conformal_scale take such a
  * foliation; other calls return HMF_ERROR_VALUE_POLE.
  */
 HMF_API hmf_status hmf_foliation_from_values(const hmf_hierarchy *hierarchy, size_t level, const double *values,
@@ -477,8 +487,9 @@ HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
 HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 
 /* Returns the bytes held by the foliation, without its hierarchy; 0 for NULL.  The
-   number grows once, when the first of hmf_parameterize, hmf_quads and hmf_trace
-   stores data for later calls. */
+   number grows at most once: if residual_max is at most 1e-8, the first call of
+   hmf_parameterize, hmf_atlas or hmf_trace (conjugate leaves) stores data for later
+   calls.  Several threads may make these calls at the same time. */
 HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
 
 /* ------------------------------------------------------------------------
@@ -487,32 +498,35 @@ HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
 
 typedef enum hmf_method {
     HMF_METHOD_DEFAULT = 0,
-    HMF_METHOD_NEWTON = 1,       /* Newton steps on the twisted Laplacian, level by level (default) */
+    HMF_METHOD_NEWTON = 1,       /* Newton's method, level by level (default) */
     HMF_METHOD_WHITEHEAD = 2,    /* Whitehead moves, level by level ([W] section 4) */
-    HMF_METHOD_SINGLE_LEVEL = 3, /* Whitehead moves on the input mesh ([W] 3.3) */
-    HMF_METHOD_PAPER = 4         /* as WHITEHEAD, but with "case 4" of [W] 4.2.2 as printed, for comparison: a flip may
-                                    make a pole, which later moves may or may not remove. A result with poles or of
-                                    another class has HMF_LIMIT_CLASS, and only hmf_singularities and hmf_energy
-                                    accept it. Without such flips the result is that of WHITEHEAD, bit for bit */
+    HMF_METHOD_SINGLE_LEVEL = 3, /* Whitehead moves on the input mesh alone ([W] 3.3); stop_level must be 0 */
+    HMF_METHOD_PAPER = 4         /* for comparison: WHITEHEAD with "case 4" of [W] 4.2.2 as printed, where a flip may
+                                    make a pole. A result with poles or of another class has HMF_LIMIT_CLASS, unless
+                                    another limit ended it; with poles only hmf_singularities, hmf_energy and
+                                    hmf_conformal_scale accept it. Without such flips the result is that of
+                                    WHITEHEAD, bit for bit */
 } hmf_method;
 
 typedef struct hmf_solve_options {
     uint32_t struct_size;
     int32_t method;              /* HMF_METHOD_* */
-    double tolerance;            /* residual_max to reach on stop_level; the report calls results up to it converged.
-                                    NEWTON: default 1e-8. Other methods: sweeps continue until it is reached or a
-                                    limit ends them; by default energy_tolerance ends them, and 1e-8 counts as
-                                    converged */
-    double energy_tolerance;     /* not for NEWTON: without a tolerance, and on coarser levels, sweeps end when one
-                                    lowers the energy by less than this part of it; default 1e-6. It does not bound
-                                    the residual */
-    double time_limit;           /* seconds, 0 = none */
-    uint64_t iteration_limit;    /* sweeps per level, default 100000 */
+    double tolerance;            /* residual_max to reach on stop_level, below 1; 0 = 1e-8. The report calls results up
+                                    to it converged. Whitehead methods: 0 = sweeps (one visit of every vertex) end
+                                    by energy_tolerance, and the residual may stay above 1e-8 */
+    double energy_tolerance;     /* Whitehead methods: sweeps end when one lowers the energy by less than this fraction;
+                                    default 1e-6. Used on levels coarser than stop_level, and there if tolerance is
+                                    0. It does not bound the residual */
+    double time_limit;           /* seconds from the start of the call, 0 = none; then HMF_LIMIT_TIME. The result is
+                                    still carried to stop_level, which takes a little longer */
+    uint64_t iteration_limit;    /* Whitehead methods: sweeps per level, default 100000; HMF_LIMIT_ITERATIONS if it
+                                    ends stop_level */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
-    const hmf_foliation *start;  /* hmf_solve: a foliation to start from; loops are then NULL. It belongs to this
-                                    hierarchy, or lies on level 0 of another hierarchy of the same triangles. NULL =
-                                    none */
-    uint64_t step_limit;         /* NEWTON: steps on stop_level, each with one linear solve or a few; 0 = none. Unlike
+    const hmf_foliation *start;  /* hmf_solve: start from this foliation; NULL = from loops. With loops as well:
+                                    HMF_ERROR_OPTIONS; neither: HMF_ERROR_NULL. It belongs to this hierarchy, or to
+                                    level 0 of another one of the same triangles (other levels: HMF_ERROR_LEVEL,
+                                    other edges: HMF_ERROR_COUNT) */
+    uint64_t step_limit;         /* NEWTON: most steps on stop_level, then HMF_LIMIT_ITERATIONS; 0 = no limit. Unlike
                                     time_limit, it gives the same result on every machine */
 } hmf_solve_options;
 
@@ -520,30 +534,36 @@ typedef struct hmf_solve_options {
 HMF_API void hmf_solve_options_init(hmf_solve_options *options, uint32_t struct_size);
 
 typedef struct hmf_level_report {
-    uint64_t vertices;
-    uint64_t edges;
+    uint64_t vertex_count;
+    uint64_t edge_count;
     uint64_t raised_count;       /* edges with a raised weight, see hmf_level_info */
-    uint64_t iterations;         /* sweeps of Whitehead moves */
-    uint64_t linear_solves;      /* of the whole level; a solve that continues with some unknowns fixed counts once */
+    uint64_t sweep_count;        /* sweeps of Whitehead moves */
+    uint64_t linear_solve_count; /* linear solves on this level */
     double optimize_seconds;
     double interpolate_seconds;  /* from the next coarser level to this one */
 } hmf_level_report;
 
-/* One line of the history: after each sweep or linear solve. */
+typedef enum hmf_history_kind {
+    HMF_HISTORY_INTERPOLATION = 0,
+    HMF_HISTORY_SWEEP = 1,
+    HMF_HISTORY_SOLVE = 2
+} hmf_history_kind;
+
+/* One entry of the history, after each interpolation, sweep or linear solve. */
 typedef struct hmf_history_entry {
     double seconds;              /* since the start of the call */
     double energy;
     double residual_max;         /* negative: not evaluated */
     uint32_t level;
-    uint32_t kind;               /* 0 interpolation, 1 sweep, 2 linear solve */
+    uint32_t kind;               /* HMF_HISTORY_* */
 } hmf_history_entry;
 
-/* Whether a result belongs to its loops.  Proven means: one cylinder of closed leaves
-   for each loop, whose height is the weight of the loop and whose leaves are freely
-   homotopic to it, on the surface without its marked vertices.  The proof is exact and
-   uses only the integers of the result. */
+/* Whether a result belongs to its loops.  Its closed leaves fill cylinders (see
+   hmf_cylinders).  Proven means: there is one cylinder for each loop, as high as the
+   weight of the loop, and its leaves can be deformed into the loop on the surface
+   without its marked vertices.  The test is exact. */
 typedef enum hmf_class_state {
-    HMF_CLASS_UNKNOWN = 0,       /* not tested: cancelled, or started from values that belong to no loops */
+    HMF_CLASS_UNKNOWN = 0,       /* not tested: the call was canceled, or its start belongs to no loops */
     HMF_CLASS_PROVEN = 1,
     HMF_CLASS_LOST = 2           /* never with HMF_OK */
 } hmf_class_state;
@@ -557,25 +577,24 @@ typedef struct hmf_report {
     int32_t reserved;            /* 0 */
     double energy;               /* of the result, on the finest level solved; on level 0 measured on the intrinsic
                                     triangulation, before the values are carried to your edges */
-    double residual_max;         /* largest residual, see hmf_residuals; negative if not evaluated because of
-                                    HMF_PROGRESS_CANCEL */
-    double residual_mean;
+    double residual_max;         /* largest residual, see hmf_residuals; negative if HMF_PROGRESS_CANCEL came first */
+    double residual_mean;        /* mean over the vertices of the level; negative like residual_max */
     uint64_t poles;              /* of the result, each counted with its index; see hmf_singularities */
     uint64_t zeros;              /* of the result, each counted with its order: a zero of index -2 counts twice */
-    int64_t index_sum;           /* 4 - 4 * genus - marked vertices; with boundary that of the double, 8 - 8 * genus - 4
-                                    * boundaries - marked vertices, where marked vertices inside count twice */
-    uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
-    uint64_t bad_flips_left;     /* those that did; 0 except for HMF_METHOD_PAPER, where later moves may have removed
-                                    the pole */
+    int64_t index_sum;           /* sum of all indices: 4 - 4 * genus - M, where M is the number of marked vertices.
+                                    With boundary that of the double: 8 - 8 * genus - 4 * boundaries - M, where
+                                    marked vertices inside count twice */
+    uint64_t bad_flips;          /* flips that needed a correction to make no pole ("case 4" of [W] 4.2.2) */
+    uint64_t bad_flips_left;     /* flips that made a pole, even if a later move removed it; only HMF_METHOD_PAPER */
     double solve_seconds;
     uint64_t peak_memory_bytes;  /* of this call, without the hierarchy */
-    const hmf_level_report *levels; /* level_count, finest first */
+    const hmf_level_report *levels; /* level_count, finest first: levels[k] is level stop_level + k */
     uint64_t level_count;        /* number of levels used */
     const hmf_history_entry *history; /* history_count, in order of time */
     uint64_t history_count;
     int32_t class_state;         /* HMF_CLASS_* */
     uint32_t class_repeats;      /* levels that were solved again because the first result had left the class */
-    double class_seconds;        /* time of the certificate, part of solve_seconds */
+    double class_seconds;        /* time of the tests of the class, part of solve_seconds */
 } hmf_report;
 
 /* Returns the report of a foliation that hmf_solve or hmf_relax made, otherwise NULL.
@@ -585,54 +604,56 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
 /*
  * Computes the harmonic foliation in the class of the loops.
  *
- *   loops      on any level; NULL if, and only if, options->start is given
+ *   loops      on any level, with boundary on level 0 (otherwise HMF_ERROR_LEVEL); NULL if,
+ *              and only if, options->start is given
  *   out        the foliation on options->stop_level, with its report
  *
- * With options->start the class is that of the given foliation.  It may belong to
- * another hierarchy of the same triangles at other positions, for example to the
- * previous frame of an animation.  It is restricted to the coarsest level, and
- * solved from there.  If it is close to the minimum, hmf_relax is faster, because
- * it starts on the level of the foliation.
+ * With options->start the class is that of the given foliation, which is carried to the
+ * coarsest level and solved from there.  It may come from another hierarchy of the same
+ * triangles at other positions, for example the previous frame of an animation.  On its
+ * own hierarchy hmf_relax is faster if it is close to the minimum.
  *
  * Returns
- *   HMF_OK         the result has converged and is in the class
+ *   HMF_OK         the result has converged and is in the class.  Exceptions: Whitehead
+ *                  methods without a tolerance have met energy_tolerance only (see
+ *                  report->converged); a start without loops is not tested for its class
  *   HMF_LIMIT_*    with the best foliation so far, closed and without poles
- *   HMF_CANCELLED  with such a foliation if the callback answered
- *                  HMF_PROGRESS_FINISH or stop_level had been reached; otherwise
- *                  without
+ *   HMF_CANCELLED  with such a foliation after HMF_PROGRESS_FINISH, or if stop_level had
+ *                  been reached; otherwise *out is NULL
  *   an error of classes 100, 200, 400, with start also 500, without a foliation.
  *                  HMF_ERROR_UNSUPPORTED: loops cross an edge so often (more than
  *                  32 times the largest weight) that a double cannot hold its
  *                  value exactly
  * See HMF_METHOD_PAPER for the exceptions of that method.
  *
- * The minimum lies on the intrinsic Delaunay triangulation of level 0.  The foliation
- * stores it; the report, hmf_energy, hmf_residuals and the calls of applications.h
- * use it.  The values are those of your edges.  If all neighbors of a vertex lie in
- * one direction there, the vertex would be a pole; it is moved to the next branch
- * (counted in bad_flips).  The class is the same on both triangulations.
+ * Level 0 is solved on its intrinsic Delaunay triangulation: edges of your mesh are
+ * flipped on the unchanged surface.  The foliation stores this solution; the report,
+ * hmf_energy, hmf_residuals and the calls of applications.h use it.  The values are
+ * carried back to your edges.  Where that would make a pole, values near it are changed
+ * to avoid it (counted in bad_flips).  The class is the same on both triangulations.
  */
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                              const hmf_solve_options *options, const hmf_control *control, hmf_foliation **out,
                              hmf_error *error);
 
 /*
- * Solves on the level of a foliation, starting from it; otherwise as hmf_solve.
+ * Solves on the level of a foliation, starting from it, within its class.
  *
- * The class is that of the foliation.  Newton steps are certified against it, and
- * Whitehead moves cannot leave it.  If the foliation has a report, class_state is
- * never better than in that report.  If it has none, class_state is
- * HMF_CLASS_UNKNOWN after Whitehead moves.  options->stop_level and start are
- * ignored.
+ *   options    start and stop_level are not used, but stop_level must be valid
+ *   out        the foliation on the same level, with its report
+ *
+ * If the given foliation has a report that is not HMF_CLASS_PROVEN, the result is not
+ * either.  If it has no report, Newton steps are tested against its own values, and
+ * after Whitehead moves class_state is HMF_CLASS_UNKNOWN.  Returns as hmf_solve;
+ * HMF_ERROR_VALUE_POLE for a foliation with poles.
  */
 HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_options *options,
                              const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
-/* Carries a foliation to another level: to a finer one by reversing flips and splits
-   ([W] 4.2), to a coarser one by moving the image of one vertex to that of the other
-   in each collapse.  The result is in the same class, closed and without poles, exactly.
-   It has no report.
-   Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
+/* Carries a foliation to another level of its hierarchy ([W] 4.2).  The result is in
+   the same class, closed and without poles, exactly.  It has no report.
+   Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, or
+   HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level, const hmf_control *control,
                                    hmf_foliation **out, hmf_error *error);
 
@@ -640,25 +661,29 @@ HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level,
  * What a foliation is like
  * --------------------------------------------------------------------- */
 
-/* Computes the Dirichlet energy ([W] Eq. 5).  Level 0: on the intrinsic Delaunay
-   triangulation, to which values of your edges are carried exactly.
-   Returns HMF_OK, or an error of classes 100, 200. */
+/* Computes the Dirichlet energy ([W] Eq. 5), in the squared unit of the weights.  Level 0:
+   on the intrinsic Delaunay triangulation, to which values of your edges are carried exactly.
+   Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200. */
 HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control *control, double *energy,
                               hmf_error *error);
 
 typedef struct hmf_residual_set {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
     uint64_t vertex_count;       /* of the level */
     const double *values;        /* vertex_count, not negative; 0 at marked vertices */
 } hmf_residual_set;
 
-/* Computes the violation of [W] Eq. 4 at each vertex,
-   max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of weight * F
-   over sector k and P the sum over all edges.  Sectors that are one direction around
-   a cluster of zero edges count as one.  If all residuals are 0, the foliation is the
-   unique minimum.  Free the result with hmf_free.
-   Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE.
-   On meshes with extreme triangles (needles, caps) a solve may store a sub-unit
-   correction with the foliation; the residuals then include it. */
+/* Computes how far each vertex is from balance ([W] Eq. 4), a number without unit:
+   max(0, 2 max_k P_k - P) / max(P, 0.01 * mean of all P).  P is the sum of weight * value
+   over the edges at the vertex, P_k its part in sector k: the edges on one side of the
+   leaves through the vertex.  Vertices joined by edges of value 0 form a cluster; sectors
+   that are connected around it count as one.  If all residuals are 0, the foliation is
+   the unique minimum.  On meshes with extreme triangles (needles, caps) hmf_solve may
+   store a solution that is finer than the values; the residuals are those of that
+   solution.  Free the result with hmf_free.
+   Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, or
+   HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, hmf_residual_set **out,
                                  hmf_error *error);
 
@@ -670,8 +695,8 @@ typedef enum hmf_singular_kind {
 
 typedef struct hmf_singularity {
     int32_t kind;                /* HMF_SINGULAR_* */
-    int32_t index;               /* negative: a zero of order -index; positive: a pole; 0: a marked vertex that is no
-                                    zero */
+    int32_t index;               /* negative: a zero of order -index; positive: a pole at a vertex that is not marked;
+                                    0: a marked vertex in no zero (with one prong: a leaf ends there) */
     uint32_t element;
     uint32_t size;               /* number of vertices of a cluster, otherwise 1 */
     double position[3];          /* of the vertex, of the center of the triangle, or of the mean of the cluster; with
@@ -684,23 +709,25 @@ typedef struct hmf_singularity_set {
     uint64_t vertex_count;
     uint64_t triangle_count;
     uint64_t count;
-    const hmf_singularity *list; /* count: zeros and poles (vertices and clusters, then triangles, each by number),
-                                    followed by marked vertices that are in no zero, with index 0 */
+    const hmf_singularity *list; /* count: first vertices and clusters with an index, then triangles, then marked
+                                    vertices that belong to no zero (index 0); each group by number */
     const int32_t *vertex_index; /* vertex_count: index of each vertex; a cluster has its index at its lowest vertex and
                                     0 at the others */
-    const uint32_t *vertex_cluster; /* vertex_count: lowest vertex of the cluster */
+    const uint32_t *vertex_cluster; /* vertex_count: lowest vertex of its cluster; the vertex itself if it is alone */
     const int32_t *triangle_index;  /* triangle_count: 0 or -1 */
 } hmf_singularity_set;
 
 /*
  * Lists zeros, poles and marked vertices ([W] Eq. 1 and 3).  Free the result with
  * hmf_free.
- * Returns HMF_OK, or an error of classes 100, 200.
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200.
  *
- * The index of a cluster is twice its Euler characteristic minus the number of its
- * closed corners; a marked vertex counts as a closed corner.  All indices add up to
- * 4 - 4 * genus - marked vertices.  With boundary, the list has the singularities of
- * the double that lie on the surface or on its boundary.
+ * The index of a cluster is twice its Euler characteristic minus the number of its closed
+ * corners, where the value of the opposite side is the sum of the values of the two sides
+ * at the corner.  A marked vertex counts as one.  On a closed surface all indices add
+ * up to 4 - 4 * genus - marked vertices.  With boundary the list has only the singularities
+ * of the double that lie on the surface or its boundary, so the sum differs from
+ * report->index_sum.
  */
 HMF_API hmf_status hmf_singularities(const hmf_foliation *foliation, const hmf_control *control,
                                      hmf_singularity_set **out, hmf_error *error);

@@ -155,7 +155,7 @@ void expect_atlas(const TriMesh& mesh, const Foliation& foliation, const hmf_cha
         collapsed += !(here > 0);
         ASSERT_LT(atlas.triangle_chart[t], atlas.chart_count);
     }
-    EXPECT_EQ(collapsed, atlas.collapsed_triangles);
+    EXPECT_EQ(collapsed, atlas.collapsed_count);
     EXPECT_NEAR(used, atlas.used_area, 1e-9);
     double mean = 0, sum = 0, weight = 0;
     for (int pass = 0; pass < 2; ++pass, mean = pass == 1 ? sum / weight : mean, sum = pass == 1 ? 0 : sum)

@@ -103,7 +103,7 @@ void check_map(const Solution& s, Tally& tally) {
     });
     ASSERT_TRUE(uv);
     ++tally.maps;
-    tally.flipped += uv->flipped_triangles;
+    tally.flipped += uv->flipped_count;
     for (uint64_t i = 0; i < 6 * uv->triangle_count; ++i) ASSERT_TRUE(std::isfinite(uv->corner_uv[i]));
     EXPECT_NEAR(uv->area / s.report.energy, 1, 0.1);
 }

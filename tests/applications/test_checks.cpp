@@ -76,7 +76,7 @@ TEST(Checks, Atlas) {
         [&](hmf_chart_set** out, hmf_error* error) { return hmf_atlas(foliation(), nullptr, nullptr, out, error); });
     ASSERT_TRUE(charts);
     // Each side of a seam is the edge of a chart.
-    EXPECT_EQ(charts->compared_edges, 2 * charts->seam_edge_count);
+    EXPECT_EQ(charts->compared_count, 2 * charts->seam_edge_count);
     EXPECT_EQ(charts->speck_count, 0u);
 }
 

@@ -371,7 +371,7 @@ TEST_P(Leaves, Conjugate) {
     size_t expected = 0;
     for (size_t v = 0; v < mesh.vertex_count; ++v)
         expected += flat->cone[v] > 2 ? static_cast<size_t>(flat->cone[v]) : 0;
-    if (flat->flipped_triangles == 0) { EXPECT_EQ(prongs->line_count, expected); }
+    if (flat->flipped_count == 0) { EXPECT_EQ(prongs->line_count, expected); }
     for (const hmf_line& line : lines_of(prongs)) {
         EXPECT_EQ(line.begin, HMF_END_ZERO);
         EXPECT_LE(line.length, 3 + 1e-12);

@@ -127,7 +127,7 @@ void expect_flat_cone_metric(const LevelMesh& mesh, const Foliation& foliation, 
             if (!(flat.dilatation[t] > 0 && flat.dilatation[t] < 100)) sound[v] = 0;
         }
     }
-    EXPECT_EQ(flipped, flat.numbers.flipped_triangles);
+    EXPECT_EQ(flipped, flat.numbers.flipped_count);
     EXPECT_NEAR(image, flat.numbers.area, 1e-9 * std::fabs(image));
     size_t compared = 0;
     for (size_t v = 0; v < mesh.vertex_count; ++v) {
@@ -179,7 +179,7 @@ TEST(Parameterize, ModulusOfATorus) {
         const double error = std::fabs(flat.numbers.area / modulus - 1);
         EXPECT_LT(error, 0.35 * before) << n; // second order: a quarter
         before = error;
-        EXPECT_EQ(flat.numbers.flipped_triangles, 0u);
+        EXPECT_EQ(flat.numbers.flipped_count, 0u);
         for (const int32_t c : flat.cone) EXPECT_EQ(c, 2);
         // The exact conformal map, taken at the vertices, is linear in no triangle either: nothing can be much better.
         double exact = 0, found = 0;
@@ -434,7 +434,7 @@ TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     const Solution s = harmonic(hierarchy);
     const Flat flat = parameterize(s.foliation);
     ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
-    EXPECT_GT(flat.numbers.degenerate_triangles, 100u);
+    EXPECT_GT(flat.numbers.degenerate_count, 100u);
     EXPECT_TRUE(std::isfinite(flat.numbers.dilatation_mean));
     long sum = 0;
     for (const int32_t c : flat.cone) sum += 2 - c;

@@ -56,7 +56,7 @@ inline Bits bits_of(const hmf_foliation& f) {
     if (const hmf_report* r = hmf_foliation_report(&f)) {
         bits.insert(bits.end(), {r->energy, r->residual_max, r->residual_mean, static_cast<double>(r->zeros)});
         for (uint64_t i = 0; i < r->level_count; ++i)
-            bits.push_back(static_cast<double>(r->levels[i].iterations + r->levels[i].linear_solves));
+            bits.push_back(static_cast<double>(r->levels[i].sweep_count + r->levels[i].linear_solve_count));
         for (uint64_t i = 0; i < r->history_count; ++i) bits.push_back(r->history[i].energy);
     }
     return bits;
@@ -117,8 +117,8 @@ inline Bits bits_of(const hmf_design& d) {
 }
 
 inline Bits bits_of(const hmf_mark_set& m) {
-    Bits bits{double(m.count)};
-    append(bits, m.vertices, m.count);
+    Bits bits{double(m.marked_count)};
+    append(bits, m.marked_vertices, m.marked_count);
     return bits;
 }
 

@@ -129,7 +129,8 @@ std::vector<uint32_t> suggested_marks(const TriMesh& mesh) {
         return hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                  mesh.triangle_count(), nullptr, nullptr, out, e);
     });
-    return set ? std::vector<uint32_t>(set->vertices, set->vertices + set->count) : std::vector<uint32_t>();
+    return set ? std::vector<uint32_t>(set->marked_vertices, set->marked_vertices + set->marked_count)
+               : std::vector<uint32_t>();
 }
 
 std::vector<double> values_of(const Foliation& foliation) {

@@ -395,13 +395,13 @@ export interface Atlas {
     /** Edges whose two triangles do not meet in the square. */
     seamEdgeCount: number;
     /** Triangles whose image has no positive area, where the foliation is nearly 0. */
-    collapsedTriangles: number;
+    collapsedCount: number;
     /** Standard deviation over the surface of the logarithm of the scale. */
     unevenness: number;
     /** Triangles that the check of overlaps leaves out: those without area in the square, and those less than a millionth of it across. */
     speckCount: number;
     /** Edges of charts that the check compared. */
-    comparedEdges: number;
+    comparedCount: number;
 }
 
 export interface Cylinders {
@@ -456,8 +456,8 @@ export interface Parameterization {
     dilatationMean: number;
     dilatationMedian: number;
     dilatationP99: number;
-    flippedTriangles: number;
-    degenerateTriangles: number;
+    flippedCount: number;
+    degenerateCount: number;
     seamEdgeCount: number;
     /** In the unit of the positions. */
     seamLength: number;
@@ -590,12 +590,12 @@ export interface Report {
 }
 
 export interface LevelReport {
-    vertices: number;
-    edges: number;
+    vertexCount: number;
+    edgeCount: number;
     /** Edges with a raised weight. */
     raisedCount: number;
-    iterations: number;
-    linearSolves: number;
+    sweepCount: number;
+    linearSolveCount: number;
     optimizeSeconds: number;
     interpolateSeconds: number;
 }

@@ -31,7 +31,7 @@ test('every structure of the headers has its fields in order, and JavaScript kno
     const otherwise = ['hmf_report.level_count', 'hmf_report.history_count', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
         'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics', 'hmf_lines.line_count', 'hmf_hierarchy_info.level_count', 'hmf_scale.log_scale',
         'hmf_lines.point_count', 'hmf_lines.lines', 'hmf_lines.offsets', 'hmf_lines.point_edges', 'hmf_singularity_set.count', 'hmf_cylinder_set.count', 'hmf_quad_mesh.quad_count',
-        'hmf_hierarchy_options.marked_count', 'hmf_mark_set.count', 'hmf_design.marked_count',
+        'hmf_hierarchy_options.marked_count', 'hmf_mark_set.marked_count', 'hmf_design.marked_count',
         // A component has its parts of these arrays.
         ...['count', 'used_vertex_count', 'marked_count', 'list', 'part_positions', 'part_triangles', 'part_marks'].map(field => `hmf_component_set.${field}`),
         ...['vertex', 'edge', 'triangle', 'mark'].map(name => `hmf_component.first_${name}`), 'hmf_component.marked_count'];

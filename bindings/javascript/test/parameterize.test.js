@@ -41,8 +41,8 @@ test('a torus: |du| is the foliation, everywhere, and the map is conformal', () 
     });
     assert.equal(checkTransitions(result, sidesOf(triangleEdges, foliation.values.length)), result.seamEdgeCount);
     assert.ok(result.cone.every(cone => cone === 2));
-    assert.equal(result.flippedTriangles, 0);
-    assert.equal(result.degenerateTriangles, 0);
+    assert.equal(result.flippedCount, 0);
+    assert.equal(result.degenerateCount, 0);
     assert.ok(result.dilatationMean >= 1 && result.dilatationMean < 1.05, `${result.dilatationMean}`);
     assert.ok(result.dilatation.every(x => x >= 1));
     assert.ok(Math.abs(result.area / foliation.energy() - 1) < 0.02, `${result.area} and ${foliation.energy()}`);

@@ -69,7 +69,7 @@ test('a solution is closed, without poles, harmonic, and its report tells the sa
     assert.equal(report.poles, 0);
     vertexCluster.forEach((first, v) => assert.ok(first <= v));
     assert.equal(report.levels.length, hierarchy.levels.length);
-    assert.deepEqual(report.levels.map(level => [level.vertices, level.edges]), hierarchy.levels.map(level => [level.vertexCount, level.edgeCount]));
+    assert.deepEqual(report.levels.map(level => [level.vertexCount, level.edgeCount]), hierarchy.levels.map(level => [level.vertexCount, level.edgeCount]));
     const corners = hierarchy.levels[0].triangleVertices(), place = v => [...positions.subarray(3 * v, 3 * v + 3)];
     for (const { kind, element, position } of list) {
         const points = (kind === 'triangle' ? [...corners.subarray(3 * element, 3 * element + 3)] : [element]).map(place);

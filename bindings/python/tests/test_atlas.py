@@ -22,7 +22,7 @@ def test_in_the_square(foliation: foliations.Foliation) -> None:
     assert set(atlas.triangle_chart) == set(range(atlas.chart_count))
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     area = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
-    assert (area > 0).sum() == len(area) - atlas.collapsed_triangles
+    assert (area > 0).sum() == len(area) - atlas.collapsed_count
     assert area.sum() == pytest.approx(atlas.used_area)
     assert "charts" in repr(atlas)
 

@@ -61,7 +61,7 @@ def test_numbers(foliation: foliations.Foliation, uv: foliations.Parameterizatio
     assert (2 - uv.cone).sum() == 4 - 4 * foliation.hierarchy.genus
     assert uv.area == pytest.approx(foliation.energy, rel=0.05)
     assert 1 <= uv.dilatation_median <= uv.dilatation_p99
-    assert uv.flipped_triangles == (uv.dilatation < 0).sum()
+    assert uv.flipped_count == (uv.dilatation < 0).sum()
 
 
 def test_given_seams_are_preferred(foliation: foliations.Foliation, uv: foliations.Parameterization) -> None:

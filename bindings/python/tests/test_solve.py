@@ -194,8 +194,8 @@ def test_report(hierarchy: foliations.Hierarchy) -> None:
     report = hierarchy.solve().report
     assert report is not None
     assert report.method == "newton" and report.converged and report.residual_max <= 1e-8
-    assert [entry.vertices for entry in report.levels] == [level.vertex_count for level in hierarchy.levels]
-    assert sum(entry.linear_solves for entry in report.levels) > 0
+    assert [entry.vertex_count for entry in report.levels] == [level.vertex_count for level in hierarchy.levels]
+    assert sum(entry.linear_solve_count for entry in report.levels) > 0
     assert report.history and {entry.kind for entry in report.history} <= {"interpolation", "sweep", "linear solve"}
     assert all(a.seconds <= b.seconds for a, b in zip(report.history, report.history[1:]))
     assert report.history[-1].energy == pytest.approx(report.energy)

@@ -83,12 +83,12 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     counts.triangle_count = h.shown_triangles(level);
     counts.chart_count = made.chart_count;
     counts.used_area = made.used_area;
-    counts.collapsed_triangles = made.collapsed;
+    counts.collapsed_count = made.collapsed;
     counts.unevenness = measures.unevenness;
     counts.seam_edge_count = measures.seam_edges;
     counts.seam_length = measures.seam_length / h.scale;
     counts.speck_count = found.specks;
-    counts.compared_edges = found.edges;
+    counts.compared_count = found.edges;
     ResultBlock block;
     block.room(counts, counts.corner_uv, 6 * counts.triangle_count);
     block.room(counts, counts.triangle_chart, counts.triangle_count);

@@ -181,7 +181,7 @@ hmf_status begin(const hmf_hierarchy_options* options, const hmf_control* contro
 hmf_mark_set* mark_set(const Array<uint32_t>& marks, const hmf_hierarchy& h, Call& call) {
     hmf_mark_set set{sizeof(hmf_mark_set), 0, marks.size(), nullptr};
     ResultBlock block;
-    block.array(set, set.vertices, marks.size(), marks.data());
+    block.array(set, set.marked_vertices, marks.size(), marks.data());
     return block.make(set, h, call);
 }
 

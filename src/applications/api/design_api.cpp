@@ -93,7 +93,7 @@ extern "C" hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const 
         return call.stopped();
     if (!call.tick(0.8)) return call.was_cancelled();
     const double offset = scale.offset + natural_log(hierarchy->scale);
-    hmf_scale result{shown, nullptr, scale.unevenness()};
+    hmf_scale result{sizeof(hmf_scale), 0, shown, nullptr, scale.unevenness()};
     ResultBlock block;
     block.room(result, result.log_scale, shown);
     hmf_scale* const made = block.make(result, *hierarchy, call);

@@ -139,8 +139,8 @@ public:
             return part;
         });
         if (!call_.tick(0.98)) return call_.was_cancelled();
-        to_.flipped_triangles = sums.flipped;
-        to_.degenerate_triangles = sums.degenerate;
+        to_.flipped_count = sums.flipped;
+        to_.degenerate_count = sums.degenerate;
         to_.area = sums.image;
         to_.dilatation_mean = sums.visible > 0 ? sums.weighted / sums.visible : HUGE_VAL;
         to_.dilatation_median = quantiles.above(0.5 * sums.area);

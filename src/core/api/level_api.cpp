@@ -71,6 +71,7 @@ hmf_status hmf_level(const hmf_hierarchy* hierarchy, size_t level, const hmf_con
     const hmf_hierarchy& h = *hierarchy;
     const Level& from = h.levels[level];
     hmf_level_mesh result{};
+    result.struct_size = sizeof result;
     result.vertex_count = h.shown_vertices(level);
     result.edge_count = h.shown_edges(level);
     result.triangle_count = h.shown_triangles(level);

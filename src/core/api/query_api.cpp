@@ -68,7 +68,7 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
                  state.foliation, rings, level.weight, foliation->fraction, star, residual.data(), call, unused))
         return status;
     if (call.cancelled()) return call.was_cancelled();
-    hmf_residual_set result{n, nullptr};
+    hmf_residual_set result{sizeof(hmf_residual_set), 0, n, nullptr};
     ResultBlock block;
     block.room(result, result.values, n);
     hmf_residual_set* const made = block.make(result, h, call);

@@ -64,7 +64,7 @@ hmf_status whitehead_level(LevelWork& work) {
         // The number of sweeps is not known; the fraction tends to 1.
         const double fraction = 1 - 1 / (1 + static_cast<double>(iteration) / steering::SWEEPS_OF_HALF_PROGRESS);
         work.sweeps.sweep(f, work.rings, work.level.weight, iteration % 2 == 1, work.star, result, work.call, fraction);
-        ++work.statistics.iterations;
+        ++work.statistics.sweep_count;
         D += result.energy_change;
         double residual = -1;
         if (wanted > 0 && !work.call.cancelled()) {
@@ -151,8 +151,8 @@ hmf_status optimize(State& state, const SolveOptions& options, Call& call, Recor
     // Coarse levels of the direct method only provide a start.
     const hmf_status status =
         options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance) : whitehead_level(work);
-    statistics.iterations += work.statistics.iterations;
-    statistics.linear_solves += work.statistics.linear_solves;
+    statistics.sweep_count += work.statistics.sweep_count;
+    statistics.linear_solve_count += work.statistics.linear_solve_count;
     statistics.optimize_seconds += call.seconds() - start;
     return status;
 }
@@ -204,8 +204,8 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         const Level& level = h.levels[k];
         const double share = static_cast<double>(level.mesh.edge_count) / total;
         hmf_level_report statistics{};
-        statistics.vertices = level.mesh.vertex_count;
-        statistics.edges = level.mesh.edge_count;
+        statistics.vertex_count = level.mesh.vertex_count;
+        statistics.edge_count = level.mesh.edge_count;
         statistics.raised_count = level.raised_count;
         hmf_level_report* entry = recorder.level(k - options.stop());
         if (entry) statistics.interpolate_seconds = entry->interpolate_seconds;

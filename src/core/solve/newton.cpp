@@ -64,7 +64,7 @@ public:
             SweepResult result;
             w_.sweeps.sweep(f_, w_.rings, weight_, backward_, w_.star, result, w_.call, 0);
             backward_ = !backward_;
-            ++w_.statistics.iterations;
+            ++w_.statistics.sweep_count;
         }
     }
 
@@ -203,7 +203,7 @@ private:
             multigrid_.release_vectors();
             if (!part_.extract(model_, distance_, Solver::multigrid, w_.call)) return false;
         } else {
-            ++w_.statistics.linear_solves;
+            ++w_.statistics.linear_solve_count;
         }
         tight = model_.is_exact();
         // On limbs that no loop goes around, the values decay below the error of a loose solve. The solve is then
@@ -307,7 +307,7 @@ private:
                        && (effort.close || energy_change_ < steering::CURABLE_RISE * model_.energy)) {
                 ++solves;
                 rise = energy_change_;
-                ++w_.statistics.linear_solves;
+                ++w_.statistics.linear_solve_count;
                 // Far from the minimum this model does not last, and the setup is for one without these bounds.
                 const double accuracy = effort.close ? effort.tight : steering::FIRST_ACCURACY;
                 if (!solve_between_bounds(accuracy, effort.residual)) return interrupted(w_.call);
@@ -411,7 +411,7 @@ private:
 
     // Used if the multigrid fails. held: solves for the unknowns that are not fixed.
     Done solve_directly(bool held) {
-        ++w_.statistics.linear_solves;
+        ++w_.statistics.linear_solve_count;
         for (uint32_t v = 0; v < model_.count; ++v) distance_[v] = 0;
         for (size_t k = 0; held && k < model_.at_bounds.size(); ++k) distance_[model_.at_bounds[k]] = NONE;
         multigrid_.release_vectors();
@@ -433,7 +433,7 @@ private:
                 if (!multigrid_.claim_vectors(w_.call.memory)) return false;
                 result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
                                           steering::ITERATIONS_BETWEEN_BOUNDS, w_.call, options);
-                w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
+                w_.statistics.linear_solve_count += pass > 0 && result.iterations > 0;
                 if (w_.call.cancelled() || w_.call.finishing()) return false;
             }
             if ((direct_ || failed(result, accuracy)) && !solve_directly(true)) return false;

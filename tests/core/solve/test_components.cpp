@@ -69,7 +69,7 @@ std::vector<uint32_t> suggested(const TriMesh& mesh) {
         return hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                  mesh.triangle_count(), nullptr, nullptr, out, e);
     });
-    return std::vector<uint32_t>(set->vertices, set->vertices + set->count);
+    return std::vector<uint32_t>(set->marked_vertices, set->marked_vertices + set->marked_count);
 }
 
 // A strip of two triangles, one turned the wrong way.

@@ -25,7 +25,7 @@ Solution run(const Hierarchy& hierarchy, const hmf_control* control = nullptr) {
     return solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8), control);
 }
 
-uint64_t finest_linear_solves(const Solution& solution) { return solution.report.levels[0].linear_solves; }
+uint64_t finest_linear_solves(const Solution& solution) { return solution.report.levels[0].linear_solve_count; }
 
 // A wheel with n spokes in triangle f: it stays when the triangulation becomes Delaunay.
 TriMesh with_hub(const TriMesh& mesh, size_t f, uint32_t n) {
@@ -207,7 +207,7 @@ TEST(Extremes, NoResidualAfterACancellation) {
         if (outcome.report.residual_max < 0) continue; // not evaluated
         // Cancelled after the last level was solved, while the class was looked at.
         const std::vector<double> residual =
-            residuals(outcome.foliation, static_cast<size_t>(outcome.report.levels[0].vertices));
+            residuals(outcome.foliation, static_cast<size_t>(outcome.report.levels[0].vertex_count));
         EXPECT_NEAR(outcome.report.residual_max, *std::max_element(residual.begin(), residual.end()), 1e-13) << stop;
     }
     EXPECT_GT(given, 0u);

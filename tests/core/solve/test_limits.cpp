@@ -131,8 +131,8 @@ TEST(Limits, WorkOfASolveIsBounded) {
         const hmf_report& report = *hmf_foliation_report(made);
         double sum = 0;
         for (size_t k = 0; k < report.level_count; ++k)
-            sum += static_cast<double>((report.levels[k].linear_solves + report.levels[k].iterations)
-                                       * report.levels[k].edges);
+            sum += static_cast<double>((report.levels[k].linear_solve_count + report.levels[k].sweep_count)
+                                       * report.levels[k].edge_count);
         work.push_back(sum / static_cast<double>(hierarchy.edges(0)));
         // A host is asked all the time: at least once for each solve and sweep.
         EXPECT_GE(static_cast<double>(ticks), sum / static_cast<double>(hierarchy.edges(0)));

@@ -689,7 +689,7 @@ TEST(Marked, SuggestedMarksAreAtTips) {
             return hmf_suggest_marks(m.positions.data(), m.vertex_count(), m.triangles.data(), m.triangle_count(),
                                      nullptr, nullptr, out, error);
         });
-        return set ? Marks(set->vertices, set->vertices + set->count) : Marks();
+        return set ? Marks(set->marked_vertices, set->marked_vertices + set->marked_count) : Marks();
     };
     const Marks marks = suggest(mesh);
     EXPECT_EQ(marks, suggest(mesh));

@@ -558,8 +558,8 @@ TEST(ProgressOf, NothingIsOptimizedAfterTheTimeLimit) {
         EXPECT_EQ(solution.status, HMF_LIMIT_TIME);
         ASSERT_EQ(solution.report.level_count, hierarchy.levels());
         for (size_t k = 0; k < hierarchy.coarsest(); ++k) {
-            EXPECT_EQ(solution.report.levels[k].iterations, 0u) << k;
-            EXPECT_EQ(solution.report.levels[k].linear_solves, 0u) << k;
+            EXPECT_EQ(solution.report.levels[k].sweep_count, 0u) << k;
+            EXPECT_EQ(solution.report.levels[k].linear_solve_count, 0u) << k;
         }
         expect_foliation(read_level(hierarchy, 0), solution.foliation);
     }

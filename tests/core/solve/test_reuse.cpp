@@ -20,9 +20,9 @@ namespace {
 
 double relative(double a, double b) { return std::abs(a - b) / std::max(std::abs(a), std::abs(b)); }
 
-uint64_t linear_solves(const Solution& solution) {
+uint64_t linear_solve_count(const Solution& solution) {
     uint64_t sum = 0;
-    for (uint64_t i = 0; i < solution.report.level_count; ++i) sum += solution.report.levels[i].linear_solves;
+    for (uint64_t i = 0; i < solution.report.level_count; ++i) sum += solution.report.levels[i].linear_solve_count;
     return sum;
 }
 
@@ -151,7 +151,7 @@ TEST(Reuse, OwnResult) {
     const Solution again = from_start(hierarchy, scratch.foliation);
     ASSERT_EQ(again.status, HMF_OK) << again.error.message;
     EXPECT_LT(relative(again.report.energy, scratch.report.energy), 1e-10);
-    EXPECT_LE(linear_solves(again), linear_solves(scratch));
+    EXPECT_LE(linear_solve_count(again), linear_solve_count(scratch));
     expect_foliation(read_level(hierarchy, 0), again.foliation);
 }
 
@@ -171,7 +171,7 @@ TEST(Reuse, ResultOfAnotherGeometry) {
         ASSERT_EQ(scratch.status, HMF_OK) << scratch.error.message;
         ASSERT_EQ(reused.status, HMF_OK) << reused.error.message;
         EXPECT_LT(relative(reused.report.energy, scratch.report.energy), 1e-10);
-        EXPECT_LE(linear_solves(reused), linear_solves(scratch) + 1);
+        EXPECT_LE(linear_solve_count(reused), linear_solve_count(scratch) + 1);
         EXPECT_GT(relative(before.report.energy, scratch.report.energy), 1e-3);
     }
 }
@@ -186,7 +186,7 @@ TEST(Reuse, InitialFoliation) {
     const Solution reused = from_start(hierarchy, initialize(hierarchy, loops));
     ASSERT_EQ(reused.status, HMF_OK) << reused.error.message;
     EXPECT_LT(relative(reused.report.energy, scratch.report.energy), 1e-10);
-    EXPECT_EQ(linear_solves(reused), linear_solves(scratch)); // it is what the loops give
+    EXPECT_EQ(linear_solve_count(reused), linear_solve_count(scratch)); // it is what the loops give
 }
 
 TEST(Reuse, OfAnyLevelWithAnyMethod) {

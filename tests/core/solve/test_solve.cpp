@@ -343,11 +343,11 @@ TEST(Solve, ReportTellsTheStory) {
     uint64_t sweeps = 0;
     for (size_t k = 0; k < report.level_count; ++k) {
         const hmf_level_info& info = hmf_hierarchy_describe(hierarchy.get())->levels[k];
-        EXPECT_EQ(report.levels[k].vertices, info.vertex_count);
-        EXPECT_EQ(report.levels[k].edges, info.edge_count);
+        EXPECT_EQ(report.levels[k].vertex_count, info.vertex_count);
+        EXPECT_EQ(report.levels[k].edge_count, info.edge_count);
         EXPECT_EQ(report.levels[k].raised_count, info.raised_count);
-        EXPECT_GT(report.levels[k].iterations, 0u);
-        sweeps += report.levels[k].iterations;
+        EXPECT_GT(report.levels[k].sweep_count, 0u);
+        sweeps += report.levels[k].sweep_count;
     }
     ASSERT_GT(report.history_count, 0u);
     uint64_t recorded = 0;
@@ -721,9 +721,9 @@ TEST(LinearSolves, OfATorusAreOnTheLastLevel) {
         ASSERT_GT(hierarchy.levels(), 3u);
         const Solution s = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
         ASSERT_EQ(s.status, HMF_OK);
-        if (is_torus) EXPECT_EQ(s.report.levels[0].linear_solves, 1u);
+        if (is_torus) EXPECT_EQ(s.report.levels[0].linear_solve_count, 1u);
         for (size_t k = 1; k + 1 < hierarchy.levels(); ++k)
-            EXPECT_EQ(s.report.levels[k].linear_solves == 0, is_torus) << k;
+            EXPECT_EQ(s.report.levels[k].linear_solve_count == 0, is_torus) << k;
     }
 }
 

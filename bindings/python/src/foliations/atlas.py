@@ -27,10 +27,10 @@ class Atlas:
     used_area: float  #: part of the square that the triangles cover
     seam_length: float  #: in the unit of the positions, each side between two triangles once
     seam_edge_count: int  #: edges whose two triangles do not meet in the square
-    collapsed_triangles: int  #: without a positive area there, where the foliation is nearly 0
+    collapsed_count: int  #: without a positive area there, where the foliation is nearly 0
     unevenness: float  #: standard deviation over the surface of the logarithm of the scale
     speck_count: int  #: triangles without area or below a millionth of the square, which the check of overlaps leaves out
-    compared_edges: int  #: edges of charts that the check compared
+    compared_count: int  #: edges of charts that the check compared
     _foliation: Foliation
 
     def export(self, path: str | os.PathLike[str]) -> None:

@@ -585,7 +585,7 @@ def suggest_marks(
             raise
         points, corners, kept = _without_unused(points, corners)
         return frozen(kept[suggest_marks(points, corners, memory_limit=memory_limit, mollify=mollify, progress=progress)])
-    return view(made, made.vertices, made.count)
+    return view(made, made.marked_vertices, made.marked_count)
 
 
 @dataclass(frozen=True, repr=False)

@@ -38,8 +38,8 @@ class Parameterization:
     dilatation_mean: float  #: of the absolute value, weighted by area, without degenerate triangles
     dilatation_median: float  #: by area
     dilatation_p99: float  #: by area
-    flipped_triangles: int
-    degenerate_triangles: int
+    flipped_count: int
+    degenerate_count: int
     seam_edge_count: int
     seam_length: float  #: in the unit of the positions
     area: float  #: of the image: the energy, up to discretization

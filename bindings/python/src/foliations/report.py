@@ -17,11 +17,11 @@ _HISTORY_KINDS = ("interpolation", "sweep", "linear solve")
 class LevelReport(NamedTuple):
     """Work on one level."""
 
-    vertices: int
-    edges: int
+    vertex_count: int
+    edge_count: int
     raised_count: int  #: edges whose weight was raised to the floor
-    iterations: int  #: sweeps of Whitehead moves
-    linear_solves: int
+    sweep_count: int  #: sweeps of Whitehead moves
+    linear_solve_count: int
     optimize_seconds: float
     interpolate_seconds: float  #: from the next coarser level to this one
 
@@ -74,7 +74,7 @@ class Report:
         ]
         for number, level in enumerate(self.levels):
             seconds = level.optimize_seconds + level.interpolate_seconds
-            counts = f"{number:5}{level.vertices:10}{level.edges:10}{level.iterations:8}{level.linear_solves:15}"
+            counts = f"{number:5}{level.vertex_count:10}{level.edge_count:10}{level.sweep_count:8}{level.linear_solve_count:15}"
             lines.append(f"{counts}{seconds:9.3f}")
         return "\n".join(lines)
 

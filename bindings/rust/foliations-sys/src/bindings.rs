@@ -188,6 +188,8 @@ impl Default for hmf_hierarchy_info {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_level_mesh {
+    pub struct_size: u32,
+    pub reserved: u32,
     pub vertex_count: u64,
     pub edge_count: u64,
     pub triangle_count: u64,
@@ -260,14 +262,17 @@ impl Default for hmf_solve_options {
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone)]
 pub struct hmf_level_report {
-    pub vertices: u64,
-    pub edges: u64,
+    pub vertex_count: u64,
+    pub edge_count: u64,
     pub raised_count: u64,
-    pub iterations: u64,
-    pub linear_solves: u64,
+    pub sweep_count: u64,
+    pub linear_solve_count: u64,
     pub optimize_seconds: f64,
     pub interpolate_seconds: f64,
 }
+pub const HMF_HISTORY_INTERPOLATION: i32 = 0;
+pub const HMF_HISTORY_SWEEP: i32 = 1;
+pub const HMF_HISTORY_SOLVE: i32 = 2;
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone)]
 pub struct hmf_history_entry {
@@ -317,6 +322,8 @@ impl Default for hmf_report {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_residual_set {
+    pub struct_size: u32,
+    pub reserved: u32,
     pub vertex_count: u64,
     pub values: *const f64,
 }
@@ -417,8 +424,8 @@ impl Default for hmf_component_set {
 pub struct hmf_mark_set {
     pub struct_size: u32,
     pub reserved: u32,
-    pub count: u64,
-    pub vertices: *const u32,
+    pub marked_count: u64,
+    pub marked_vertices: *const u32,
 }
 impl Default for hmf_mark_set {
     fn default() -> Self {
@@ -506,8 +513,8 @@ pub struct hmf_parameterization {
     pub dilatation_mean: f64,
     pub dilatation_median: f64,
     pub dilatation_p99: f64,
-    pub flipped_triangles: u64,
-    pub degenerate_triangles: u64,
+    pub flipped_count: u64,
+    pub degenerate_count: u64,
     pub seam_edge_count: u64,
     pub seam_length: f64,
     pub area: f64,
@@ -530,6 +537,8 @@ impl Default for hmf_parameterization {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_scale {
+    pub struct_size: u32,
+    pub reserved: u32,
     pub triangle_count: u64,
     pub log_scale: *const f64,
     pub unevenness: f64,
@@ -697,10 +706,10 @@ pub struct hmf_chart_set {
     pub used_area: f64,
     pub seam_length: f64,
     pub seam_edge_count: u64,
-    pub collapsed_triangles: u64,
+    pub collapsed_count: u64,
     pub unevenness: f64,
     pub speck_count: u64,
-    pub compared_edges: u64,
+    pub compared_count: u64,
 }
 impl Default for hmf_chart_set {
     fn default() -> Self {

@@ -212,7 +212,7 @@ impl<'a> Builder<'a> {
     pub fn suggest_marks(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Vec<u32>> {
         let set = self.call(positions, triangles, sys::hmf_suggest_marks)?;
         // SAFETY: the library made so many.
-        Ok(unsafe { slice(set.vertices, set.count) }.to_vec())
+        Ok(unsafe { slice(set.marked_vertices, set.marked_count) }.to_vec())
     }
 
     /// Marked vertices, loops and weights for which stripes and quads are about

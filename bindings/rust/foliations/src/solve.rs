@@ -319,15 +319,15 @@ record! {
     #[derive(Copy)]
     LevelReport from hmf_level_report {
         /// Vertices.
-        vertices: u64,
+        vertex_count: u64,
         /// Edges.
-        edges: u64,
+        edge_count: u64,
         /// Edges with a raised weight.
         raised_count: u64,
         /// Sweeps of Whitehead moves.
-        iterations: u64,
+        sweep_count: u64,
         /// Linear systems.
-        linear_solves: u64,
+        linear_solve_count: u64,
         /// Time of the optimization.
         optimize_seconds: f64,
         /// Time of the way from the next coarser level to this one.

@@ -151,7 +151,7 @@ fn whitehead_agrees_with_newton() {
         let loops = hierarchy.loops(coarsest, LoopsKind::Cut).unwrap();
         let report = hierarchy.solver().method(method).loops(&loops).energy_tolerance(1e-7).solve().unwrap().report;
         assert_eq!(report.method, method);
-        assert!(report.levels.iter().any(|level| level.iterations > 0));
+        assert!(report.levels.iter().any(|level| level.sweep_count > 0));
         // Only the loops of the coarsest level are those of the default.
         if method == Method::Whitehead {
             assert!(report.energy >= newton * (1.0 - 1e-9) && report.energy < 1.05 * newton);

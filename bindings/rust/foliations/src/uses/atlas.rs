@@ -49,8 +49,8 @@ impl Atlas {
     }
 
     /// Triangles whose image has no positive area, where the foliation is nearly 0.
-    pub fn collapsed_triangles(&self) -> u64 {
-        self.block.collapsed_triangles
+    pub fn collapsed_count(&self) -> u64 {
+        self.block.collapsed_count
     }
 
     /// Standard deviation over the surface of the logarithm of the scale.
@@ -65,8 +65,8 @@ impl Atlas {
     }
 
     /// Edges of charts that the check compared.
-    pub fn compared_edges(&self) -> u64 {
-        self.block.compared_edges
+    pub fn compared_count(&self) -> u64 {
+        self.block.compared_count
     }
 }
 

@@ -146,9 +146,9 @@ record! {
         /// The dilatation that 99 % of the area stay below.
         dilatation_p99: f64,
         /// Triangles with a flipped image.
-        flipped_triangles: u64,
+        flipped_count: u64,
         /// Triangles with a dilatation above 1000, or an image too small to tell.
-        degenerate_triangles: u64,
+        degenerate_count: u64,
         /// Edges of the seams.
         seam_edge_count: u64,
         /// Length of the seams, in the unit of the positions.
