@@ -42,12 +42,13 @@ void advance_cluster(Foliation& f, uint32_t behind) {
     int64_t limit = INT64_MAX;
     for (const uint32_t v : f.members)
         for (const uint32_t h : mesh.around(v)) {
-            if (f.at(h) <= 0 || h == behind) continue;
+            // The end of `behind` may be a copy of the cluster: it follows, and what is between them does not change.
+            if (f.at(h) <= 0 || h == behind || twin(h) == behind) continue;
             // An edge with both ends in the cluster gets shorter from both.
-            const bool both = f.stamp[mesh.target(h)] == f.epoch && twin(h) != behind;
+            const bool both = f.stamp[mesh.target(h)] == f.epoch;
             limit = std::min(limit, both ? f.at(h) / 2 : f.at(h));
             const uint32_t ahead = mesh.rotate_ccw(h);
-            if (f.at(ahead) > 0 && ahead != behind) limit = std::min(limit, f.corner2(h) / 2);
+            if (f.at(ahead) > 0 && ahead != behind && twin(ahead) != behind) limit = std::min(limit, f.corner2(h) / 2);
         }
     if (limit == INT64_MAX) return;
     for (const uint32_t v : f.members)
