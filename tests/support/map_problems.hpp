@@ -1,5 +1,5 @@
-// Coarse surfaces for maps: tubes whose radius varies by up to e^6, closed, open and as spheres, with marked vertices, with
-// small handles, with loops twisted around them, and thin cylinders.
+// Coarse surfaces for maps: tubes whose radius varies by up to e^6, closed, open and as spheres, with marked vertices,
+// with small handles, with loops twisted around them, and thin cylinders.
 #pragma once
 
 #include <hmf/applications.h>
