@@ -24,7 +24,10 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t SEARCH_ROUNDS = 3;      // of Gauss-Newton for a choice
+constexpr uint32_t SEARCH_ROUNDS = 3; // of Gauss-Newton for a choice
+// With more loops the weights stay as guessed from areas: the derivatives take time proportional to the square of their
+// number. Scale distortion of a plate with 300 holes .42 instead of .39, in a third of the time.
+constexpr size_t MOST_DERIVED = 300;
 constexpr double SEARCH_PERSISTENCE = 0.3; // least, of a tip
 // Where the scale is less even than that in the end, all is done again from the start with up to as much work and
 // shallower tips: which is better depends on the shape.  Unevenness 0.28: areas differ by about 7 (95 % / 5 %).
@@ -172,6 +175,7 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double riva
     count(trial);
     if (trial.solve() || !trial.usable()) return call_.status();
     if (!keep()) return call_.out_of_memory();
+    if (trial.weights.size() > MOST_DERIVED) rounds = 0;
     double damping = DAMPING;
     for (uint32_t round = 0; round < rounds; ++round) {
         fraction = work < budget ? work / budget : 1;

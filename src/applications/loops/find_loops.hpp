@@ -32,10 +32,9 @@ enum class RootReach : uint8_t { near, far };
 // Measured on the mesh itself.
 [[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
 
-// Loops that each cross one of the disjoint loops that they are given, and for
-// the others only earlier ones: disjoint as well, and with them a basis of the
-// homology.
-[[nodiscard]] hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
+// Loops that each cross one of the disjoint loops that they are given, and for the others only earlier ones: disjoint
+// as well, and with them a basis of the homology. Puts the given loops in that order.
+[[nodiscard]] hmf_status partner_loops(const Mesh& mesh, Loops& loops, Call& call, Loops& out);
 
 // 3 genus - 3 + marked vertices disjoint loops (one for a torus without those),
 // pairwise not freely homotopic: they cut the surface into pairs of pants, whose

@@ -116,15 +116,16 @@ public:
         inside_(inside) {}
 
     hmf_status run(Loops& out) {
-        Loops a, b;
+        Loops free, a, b;
         ClassLengths lengths(h_, found_, call_);
-        hmf_status status = cut_system(mesh_, position_, nullptr, lengths, call_, a);
+        hmf_status status = cut_system(mesh_, position_, nullptr, lengths, call_, free);
+        if (!status && !a.copy_from(free, call_.memory)) return call_.out_of_memory();
         if (!status) status = partner_loops(mesh_, a, call_, b);
         if (!status) status = measure(a, b);
         if (!status) status = make_conditions();
         if (!status) status = make_labels(a, b);
         if (!status) status = choose_gates(a, b);
-        const LoopCondition only = {label_.data(), &a, &gates_};
+        const LoopCondition only = {label_.data(), &free, &gates_};
         if (!status) status = cut_system(mesh_, position_, &only, lengths, call_, out);
         if (!status) status = verify(a, b, out);
         return status;
