@@ -5,7 +5,7 @@
 //     r---x---r      x: below the spike; it goes to its tip, if no side gets too long
 //     | / | \ |
 //     r---r---r
-#include "src/applications/quads/reach_tips.hpp"
+#include "src/applications/quads/fit_quads.hpp"
 #include "src/applications/quads/surface_search.hpp"
 #include "support/make_mesh.hpp"
 
@@ -19,17 +19,16 @@ constexpr double RIM[8][2] = {{-1, -1}, {0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}
 
 class Spike {
 public:
-    // The sides of the quads are 1 long.  halved: there are vertices of the surface at half the height as well.
-    Spike(double height, bool halved) :
-        memory_(nullptr, nullptr, nullptr, 0), call_(memory_, nullptr, nullptr, nullptr),
-        made_(surface(height, halved)) {
+    // The sides of the quads are 1 long.
+    explicit Spike(double height) :
+        memory_(nullptr, nullptr, nullptr, 0), call_(memory_, nullptr, nullptr, nullptr), made_(surface(height)) {
         const hmf::Mesh mesh = made_.mesh();
         quads_.start(memory_);
         bool room = true;
         for (uint32_t v = 0; v < 9; ++v) {
             uint32_t side = 0; // of a triangle of the spike at this vertex, below the middle at the first one
             while (mesh.origin[side] != v % 8 || mesh.origin[mesh.prev(side)] == 9 || mesh.target(side) == 9) ++side;
-            const double p[3] = {v < 8 ? RIM[v][0] : 0, v < 8 ? RIM[v][1] : 0, 0};
+            const hmf::Point p{v < 8 ? RIM[v][0] : 0, v < 8 ? RIM[v][1] : 0, 0};
             room = room && quads_.add_vertex(p, side, v < 8 ? hmf::AT_TIP : uint8_t{0});
         }
         for (uint32_t i = 0; i < 8; i += 2) room = room && quads_.add_quad(i, i + 1, 8u, (i + 7) % 8);
@@ -41,24 +40,20 @@ public:
         size_t moved = 0;
         hmf::SurfaceSearch surface;
         EXPECT_TRUE(surface.build(made_.mesh(), made_.positions.data(), call_.memory));
-        EXPECT_EQ(hmf::reach_tips(made_.mesh(), made_.positions.data(), surface, nullptr, quads_, moved, call_),
-                  HMF_OK);
+        EXPECT_EQ(hmf::reach_tips(made_.mesh(), made_.positions.data(), surface, quads_, moved, call_), HMF_OK);
         return moved == 1;
     }
     double height() const { return quads_.positions[3 * 8 + 2]; }
     uint8_t held() const { return quads_.held[8]; }
 
 private:
-    static test::Triangles surface(double height, bool halved) {
+    static test::Triangles surface(double height) {
         test::Triangles t;
         for (const auto& p : RIM) t.positions.insert(t.positions.end(), {p[0], p[1], 0});
         t.positions.insert(t.positions.end(), {0, 0, height, 0, 0, -0.1});
-        if (halved)
-            for (const auto& p : RIM) t.positions.insert(t.positions.end(), {p[0] / 2, p[1] / 2, height / 2});
         for (uint32_t i = 0; i < 8; ++i) {
-            const uint32_t j = (i + 1) % 8, a = halved ? 10 + i : i, b = halved ? 10 + j : j;
-            t.triangles.insert(t.triangles.end(), {a, b, 8, j, i, 9});
-            if (halved) t.triangles.insert(t.triangles.end(), {i, j, b, i, b, a});
+            const uint32_t j = (i + 1) % 8;
+            t.triangles.insert(t.triangles.end(), {i, j, 8, j, i, 9});
         }
         return t;
     }
@@ -69,12 +64,13 @@ private:
     hmf::QuadMesh quads_;
 };
 
-// Whether the vertex in the middle goes to a tip of this height.
+// Whether the vertex in the middle goes to a tip of this height at once.
 bool reaches(double height) {
-    Spike spike(height, false);
-    const bool moved = spike.reach();
-    EXPECT_EQ(spike.height(), moved ? height : 0);
-    return moved;
+    Spike spike(height);
+    spike.reach();
+    const bool there = spike.held() == hmf::AT_SHARP_CORNER;
+    EXPECT_EQ(spike.height() == height, there);
+    return there;
 }
 
 } // namespace
@@ -82,9 +78,8 @@ bool reaches(double height) {
 // Too far at once, in two steps it gets there.
 TEST(ReachTips, FarTipsAreReachedOnTheWay) {
     EXPECT_FALSE(reaches(2.4));
-    Spike spike(2.4, true);
+    Spike spike(2.4);
     ASSERT_TRUE(spike.reach());
-    EXPECT_EQ(spike.height(), 1.2);
     EXPECT_EQ(spike.held(), hmf::ON_WAY_TO_TIP);
     ASSERT_TRUE(spike.reach());
     EXPECT_EQ(spike.height(), 2.4);
@@ -94,7 +89,6 @@ TEST(ReachTips, FarTipsAreReachedOnTheWay) {
 
 // The sides get root(1 + height^2) long; from 2 on that is too long, although no corner is too sharp.
 TEST(ReachTips, NoSideGetsTwiceAsLong) {
-    EXPECT_FALSE(reaches(0.4)); // not far enough
     EXPECT_TRUE(reaches(1.2));
     EXPECT_TRUE(reaches(1.7));
     EXPECT_FALSE(reaches(1.8));

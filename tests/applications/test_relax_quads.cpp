@@ -6,21 +6,16 @@
 //     |   |   |   |
 //     o---o---o---o      on the side, held
 #include "src/applications/quads/boundary_places.hpp"
-#include "src/applications/quads/boundary_walk.hpp"
 #include "src/applications/quads/corner_energy.hpp"
 #include "src/applications/quads/fit_quads.hpp"
-#include "src/applications/quads/line_walk.hpp"
 #include "src/applications/quads/optimize_quads.hpp"
 #include "src/applications/quads/quad_figures.hpp"
 #include "src/applications/quads/quad_mesh.hpp"
 #include "src/applications/quads/quad_shape.hpp"
-#include "src/applications/quads/refine_quads.hpp"
-#include "src/applications/quads/sharp_edges.hpp"
-#include "src/applications/quads/snap_quads.hpp"
+#include "src/applications/quads/surface_lines.hpp"
 #include "src/applications/quads/surface_search.hpp"
 #include "src/applications/quads/surface_walk.hpp"
 #include "support/make_mesh.hpp"
-#include "support/meter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -88,8 +83,12 @@ protected:
                     room = room && quads.quads.push(v);
         EXPECT_TRUE(room);
         for (uint32_t v = COLUMNS; v < 2 * COLUMNS; ++v) {
-            const double p[3] = {quads.positions[3 * v], 0, 1};
-            quads.sides[v] = hmf::walk_along_sharp_edges(mesh, position, side[1], p, &quads.positions[size_t{3} * v]);
+            const hmf::Point p{quads.positions[3 * v], 0, 1}, from = hmf::point(position, mesh.origin[side[1]]);
+            const double ahead = hmf::point(position, mesh.target(side[1])).x - from.x;
+            hmf::Point there;
+            const uint32_t h = hmf::slide_along_sharp_edges(mesh, position, side[1], from,
+                                                            (p.x - from.x) / (ahead > 0 ? 1 : -1), there);
+            quads.put(v, p, h);
         }
     }
 
@@ -126,44 +125,33 @@ TEST_F(OnAnEdge, RowsBesideItGoThere) {
     for (uint32_t i = 2; i + 2 < COLUMNS; ++i) { EXPECT_LT(quads.positions[3 * (COLUMNS + i) + 1], 0.14); }
 }
 
-// Two vertices of a row are within reach of a corner of the plate, the first one nearer: that one goes there.
-TEST_F(OnAnEdge, TheNearestTakesACorner) {
-    const double x[4] = {-1.2, -0.2, 0.3, 1.3};
-    const uint32_t side = half_edge_at(mesh, made.positions.data(), false, -1, 1);
-    hmf::QuadMesh patch;
-    patch.start(memory);
-    bool room = true;
-    for (int row = 0; row < 3; ++row)
-        for (uint32_t i = 0; i < 4; ++i)
-            room = room && patch.positions.push(x[i]) && patch.positions.push(row - 1) && patch.positions.push(1)
-                && patch.sides.push(side) && patch.held.push(row != 1 || i == 0 || i == 3);
-    for (uint32_t row = 0; row < 2; ++row)
-        for (uint32_t i = 0; i < 3; ++i)
-            for (const uint32_t v : {4 * row + i, 4 * row + i + 1, 4 * row + i + 5, 4 * row + i + 4})
-                room = room && patch.quads.push(v);
-    ASSERT_TRUE(room);
-    size_t snapped = 0;
-    const hmf::SurfaceSearch surface = search_of(mesh, made.positions.data(), memory);
-    ASSERT_EQ(hmf::snap_to_sharp_edges(mesh, made.positions.data(), surface, nullptr, patch, snapped, call), HMF_OK);
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(patch.positions[3 * 5 + k], k == 2 ? 1 : 0);
-    EXPECT_EQ(patch.held[5], hmf::AT_SHARP_CORNER);
-    EXPECT_NE(patch.held[6], hmf::AT_SHARP_CORNER);
-}
-
-// The middle of a side on the edge slides along it as well.
-TEST_F(OnAnEdge, FinerQuadsStay) {
-    ASSERT_EQ(hmf::refine_quads(mesh, made.positions.data(), quads, call), HMF_OK);
-    size_t sliding = 0;
-    for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
-        if (quads.held[v] != hmf::ON_CREASE) continue;
-        ++sliding;
-        EXPECT_TRUE(is_on_the_edge(v));
-        EXPECT_TRUE(hmf::is_sharp(mesh, made.positions.data(), quads.sides[v]));
+// A cube of six quads that cut one corner off by less than half a side: their vertex goes there.
+TEST(ReachTips, ACornerIsTaken) {
+    constexpr uint32_t SIDES[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 2, 6, 4},
+                                      {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}};
+    test::Triangles cube;
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::QuadMesh quads;
+    quads.start(memory);
+    for (uint32_t v = 0; v < 8; ++v) {
+        const hmf::Point p{v & 4u ? 1.0 : 0.0, v & 2u ? 1.0 : 0.0, v & 1u ? 1.0 : 0.0};
+        cube.positions.insert(cube.positions.end(), {p.x, p.y, p.z});
+        ASSERT_TRUE(quads.add_vertex(v == 0 ? hmf::Point{0.3, 0.3, 0} : p, 0, v == 0 ? uint8_t{0} : hmf::AT_TIP));
     }
-    EXPECT_EQ(sliding, (COLUMNS - 2) + (COLUMNS - 3)); // where both ends slide
+    for (const auto& q : SIDES) {
+        cube.triangles.insert(cube.triangles.end(), {q[0], q[1], q[2], q[0], q[2], q[3]});
+        ASSERT_TRUE(quads.add_quad(q[0], q[1], q[2], q[3]));
+    }
+    test::MadeMesh made(cube);
+    size_t moved = 0;
+    const hmf::SurfaceSearch surface = search_of(made.mesh(), made.positions.data(), memory);
+    ASSERT_EQ(hmf::reach_tips(made.mesh(), made.positions.data(), surface, quads, moved, call), HMF_OK);
+    EXPECT_EQ(moved, 1u);
+    EXPECT_EQ(quads.held[0], hmf::AT_SHARP_CORNER);
+    EXPECT_EQ(square_of(at(quads, 0)), 0);
 }
 
-// Slopes of the energy of a corner against differences of it, on both sides of a corner that is folded over.
 TEST(CornerEnergy, SlopesAreThoseOfTheValue) {
     constexpr double H = 1e-6;
     for (const double eps : {1.0, 0.1})
@@ -218,7 +206,7 @@ TEST(OptimizeQuads, DisorderBecomesSquares) {
         for (uint32_t i = 0; i <= N; ++i)
             for (uint32_t j = 0; j <= N; ++j) {
                 const bool rim = i == 0 || j == 0 || i == N || j == N;
-                const double p[3] = {i + (rim ? 0 : off(random)), j + (rim ? 0 : off(random)), 0};
+                const hmf::Point p{i + (rim ? 0 : off(random)), j + (rim ? 0 : off(random)), 0};
                 room = room && quads.add_vertex(p, side, rim ? hmf::AT_CORNER : uint8_t{0});
             }
         for (uint32_t i = 0; i < N; ++i)
@@ -248,7 +236,7 @@ double worst_of(const double (&corners)[4][3], double unit) {
     quads.start(memory);
     bool room = true;
     for (uint32_t k = 0; k < 4; ++k) {
-        const double p[3] = {corners[k][0] * unit, corners[k][1] * unit, corners[k][2] * unit};
+        const hmf::Point p{corners[k][0] * unit, corners[k][1] * unit, corners[k][2] * unit};
         room = room && quads.add_vertex(p, 0, 0) && quads.quads.push(k);
     }
     EXPECT_TRUE(room);
@@ -304,15 +292,11 @@ TEST(SurfaceSearch, FindsWhatAllTrianglesShow) {
     for (int k = 0; k < 2000; ++k) {
         const hmf::Point n{any(random), any(random), any(random)},
             p = hmf::point(position, random() % mesh.vertex_count) + hmf::Point{any(random), any(random), any(random)};
-        const double room = 0.3 * (any(random) + 1), at[3] = {p.x, p.y, p.z};
+        const double room = 0.3 * (any(random) + 1);
         double nearest = HUGE_VAL, agrees = HUGE_VAL;
         for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
             if (face[h] == hmf::NONE) continue;
-            double there[3];
-            int on = 0;
-            const double square =
-                hmf::nearest_in_triangle(at, position + 3 * mesh.origin[h], position + 3 * mesh.target(h),
-                                         position + 3 * mesh.origin[mesh.prev(h)], there, on);
+            const double square = hmf::nearest_in_face(mesh, position, h, p).square;
             nearest = std::min(nearest, square);
             if (dot(hmf::normal_at(mesh, position, h), n) > 0) agrees = std::min(agrees, square);
         }
@@ -344,7 +328,7 @@ TEST(QuadShape, AQuadUnderThePlateIsFolded) {
         quads.start(memory);
         const double half = 0.1 * (high - low), corner[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
         for (const auto& c : corner) {
-            const double p[3] = {x + c[0] * half, y + c[1] * half, z};
+            const hmf::Point p{x + c[0] * half, y + c[1] * half, z};
             EXPECT_TRUE(quads.add_vertex(p, 0, 0) && quads.quads.push(quads.vertex_count() - 1));
         }
         return !(hmf::worst_corner_from_outside(surface, quads, 0) > 0);
@@ -392,12 +376,12 @@ TEST(OptimizeQuads, PatchFaceDownIsTurned) {
     const size_t before = inwards();
     EXPECT_GE(before, (HIGH - LOW) * (HIGH - LOW));
     hmf::QuadFigures figures;
-    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(mesh, position, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, before);
     EXPECT_GT(figures.area, N * N + 2 * (HIGH - LOW) * (HIGH - LOW) - 1e-9);
     optimize(mesh, position, quads, call);
     EXPECT_EQ(inwards(), 0u);
-    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(mesh, position, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 0u);
     EXPECT_NEAR(figures.area, N * N, 1e-9);
     EXPECT_NEAR(figures.distance, std::sqrt(40.0 * 40 + 48 * 48), 1e-9); // of the corner of the surface
@@ -448,17 +432,14 @@ TEST(Boundary, NearestEdgeAtATriangle) {
     for (uint32_t side = 0; side < 2 * mesh.edge_count; ++side) {
         if (face[side] == hmf::NONE) continue;
         const uint32_t corner[3] = {mesh.origin[side], mesh.target(side), mesh.origin[mesh.prev(side)]};
-        double p[3], nearest[3], t = 0, least = HUGE_VAL;
-        for (int k = 0; k < 3; ++k) {
-            const double share[3] = {0.2 * (random() % 5), 0.1, 0.3};
-            p[k] = 0;
-            for (int c = 0; c < 3; ++c) p[k] += share[c] * position[3 * corner[c] + static_cast<uint32_t>(k)];
-        }
+        hmf::Point p;
+        double least = HUGE_VAL;
+        for (const uint32_t c : corner) p = p + 0.2 * (random() % 5) * hmf::point(position, c);
+        const auto square_to = [&](uint32_t h) { return square_of(p - hmf::nearest_on_edge(mesh, position, h, p)); };
         for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
             const bool is_at =
                 std::count(corner, corner + 3, mesh.origin[h]) + std::count(corner, corner + 3, mesh.target(h));
-            if (is_at && face[h] != hmf::NONE && face[h ^ 1u] == hmf::NONE)
-                least = std::min(least, hmf::nearest_on_edge(mesh, position, h, p, nearest, t));
+            if (is_at && face[h] != hmf::NONE && face[h ^ 1u] == hmf::NONE) least = std::min(least, square_to(h));
         }
         const uint32_t rim = hmf::rim_near(mesh, position, side, p);
         ++(rim == hmf::NONE ? none : found);
@@ -468,7 +449,7 @@ TEST(Boundary, NearestEdgeAtATriangle) {
         }
         EXPECT_NE(face[rim], hmf::NONE);
         EXPECT_EQ(face[rim ^ 1u], hmf::NONE);
-        EXPECT_EQ(hmf::nearest_on_edge(mesh, position, rim, p, nearest, t), least) << side;
+        EXPECT_EQ(square_to(rim), least) << side;
     }
     EXPECT_GT(found, 50u);
     EXPECT_GT(none, 20u);
@@ -481,7 +462,7 @@ TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
     for (uint32_t i = 0; i <= N; ++i)
         for (uint32_t j = 0; j <= N; ++j) {
             const bool rim = i == 0 || j == N || i == N, slides = !rim && j == 0;
-            const double x = j > 0 ? i : i == 5 ? 6 : i == 6 ? 5 : i, p[3] = {x, j - 40.0, 0};
+            const hmf::Point p{double(j > 0 ? i : i == 5 ? 6 : i == 6 ? 5 : i), j - 40.0, 0};
             const uint32_t at = slides ? hmf::rim_near(mesh, position, side, p) : side;
             ASSERT_NE(at, hmf::NONE);
             room = room && quads.add_vertex(p, at, slides ? hmf::AT_BOUNDARY : uint8_t{rim});
@@ -494,7 +475,7 @@ TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
     ASSERT_TRUE(room);
     optimize(mesh, position, quads, call);
     hmf::QuadFigures figures;
-    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(mesh, position, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 0u);
     for (uint32_t i = 0; i <= N; ++i) {
         EXPECT_EQ(quads.positions[3 * i * (N + 1) + 1], -40);
@@ -508,12 +489,12 @@ TEST_F(OnATriangle, CornersOfTheBoundaryAreTaken) {
     constexpr uint32_t N = 7;
     const double side_length[3] = {120, std::sqrt(2.0) * 120, 120}, whole = 240 + side_length[1];
     const double corner[3][2] = {{-40, -40}, {80, -40}, {-40, 80}};
-    const auto point_at = [&](double s, double* p) {
+    const auto point_at = [&](double s) {
         int k = 0;
         s -= std::floor(s / whole) * whole;
         for (; k < 2 && s > side_length[k]; ++k) s -= side_length[k];
-        for (int c = 0; c < 2; ++c) p[c] = corner[k][c] + s / side_length[k] * (corner[(k + 1) % 3][c] - corner[k][c]);
-        p[2] = 0;
+        const double *const a = corner[k], *const b = corner[(k + 1) % 3], t = s / side_length[k];
+        return hmf::Point{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), 0};
     };
     bool room = true;
     std::vector<uint32_t> loop;
@@ -521,8 +502,7 @@ TEST_F(OnATriangle, CornersOfTheBoundaryAreTaken) {
         for (uint32_t j = 0; j <= N; ++j) {
             const bool rim = i == 0 || j == 0 || i == N || j == N;
             const uint32_t along = j == 0 ? i : i == N ? N + j : j == N ? 3 * N - i : 4 * N - j; // counterclockwise
-            double p[3] = {0, 0, 0};
-            if (rim) point_at(whole * (along / 3 * 3 + 0.4) / (4 * N), p);
+            const hmf::Point p = rim ? point_at(whole * (along / 3 * 3 + 0.4) / (4 * N)) : hmf::Point{};
             const uint32_t at = rim ? hmf::rim_near(mesh, position, side, p) : side;
             ASSERT_NE(at, hmf::NONE);
             room = room && quads.add_vertex(p, at, rim ? hmf::AT_BOUNDARY : uint8_t{0});
@@ -554,33 +534,6 @@ TEST_F(OnATriangle, CornersOfTheBoundaryAreTaken) {
     }
     EXPECT_EQ(taken, 3u);
     EXPECT_NEAR(around, whole, 1e-6);
-}
-
-// There and back again; and each allocation that fails is told, as what was not kept cannot be given back.
-TEST(QuadPlaces, AreKeptOrNot) {
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-    hmf::QuadMesh quads;
-    quads.start(memory);
-    const double p[3] = {1, 2, 3}, q[3] = {4, 5, 6};
-    ASSERT_TRUE(quads.add_vertex(p, 7, 1) && quads.add_vertex(q, 8, 0));
-    size_t kept = 0;
-    for (uint64_t fail = 0; fail < 4; ++fail) {
-        test::Meter meter;
-        meter.fail = fail;
-        hmf::Memory measured(test::Meter::take, test::Meter::give, &meter, 0);
-        hmf::QuadPlaces places;
-        if (!places.keep(quads, measured)) continue;
-        ++kept;
-        quads.put(0, q, 9);
-        places.give_back(quads);
-        EXPECT_EQ(quads.positions[0], 1);
-        EXPECT_EQ(quads.positions[5], 6);
-        EXPECT_EQ(quads.sides[0], 7u);
-        EXPECT_EQ(quads.held[0], 1);
-        quads.start(memory); // what was given back belongs to the other memory
-        ASSERT_TRUE(quads.add_vertex(p, 7, 1) && quads.add_vertex(q, 8, 0));
-    }
-    EXPECT_EQ(kept, 1u); // three allocations, of which one failed each time but the first
 }
 
 } // namespace test_relax_quads

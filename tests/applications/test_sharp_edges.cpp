@@ -1,5 +1,5 @@
-// The way along sharp edges, against all edges of the line at once.
-#include "src/applications/quads/sharp_edges.hpp"
+// The way along sharp edges.
+#include "src/applications/quads/surface_lines.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -10,23 +10,10 @@
 
 namespace test_sharp_edges {
 
-namespace {
-
 using hmf::Mesh;
 
-double square_distance_to_edge(const double* position, const Mesh& mesh, uint32_t h, const double* p) {
-    const double *const a = position + 3 * mesh.origin[h], *const b = position + 3 * mesh.target(h);
-    double along = 0, length = 0, square = 0;
-    for (int k = 0; k < 3; ++k) along += (p[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
-    const double t = std::min(1.0, std::max(0.0, along / length));
-    for (int k = 0; k < 3; ++k) square += std::pow(p[k] - a[k] - t * (b[k] - a[k]), 2);
-    return square;
-}
-
-} // namespace
-
-// The lines of a plate are straight, so the nearest point of the whole line is found, and none beyond its corners.
-TEST(SharpEdges, TheNearestPointOfTheLine) {
+// The lines of a plate are straight: who slides along one gets as far as wished, or to an end of it, which is a corner.
+TEST(SharpEdges, SlidesAlongTheLine) {
     const int fine = 4;
     test::MadeMesh made(test::plate(2, 1, fine));
     const Mesh mesh = made.mesh();
@@ -52,19 +39,32 @@ TEST(SharpEdges, TheNearestPointOfTheLine) {
                         line[g / 2] = line[h / 2], changed = true;
     }
     std::mt19937 random(5);
-    std::uniform_real_distribution<double> place(-1, 6);
+    std::uniform_real_distribution<double> any(-1, 1);
+    size_t ends = 0, passed = 0;
     for (const uint32_t h : sharp) {
-        const double p[3] = {place(random), place(random), place(random)};
-        double nearest[3];
-        const uint32_t found = hmf::walk_along_sharp_edges(mesh, position, h, p, nearest);
+        const hmf::Point a = hmf::point(position, mesh.origin[h]), way = hmf::point(position, mesh.target(h)) - a;
+        const hmf::Point p = a + 0.5 * (any(random) + 1) * way;
+        const double length = 4 * any(random);
+        hmf::Point there;
+        const uint32_t found = hmf::slide_along_sharp_edges(mesh, position, h, p, length, there);
         EXPECT_EQ(line[found / 2], line[h / 2]);
-        EXPECT_LT(square_distance_to_edge(position, mesh, found, nearest), 1e-24);
-        double least = HUGE_VAL, square = 0;
-        for (const uint32_t g : sharp)
-            if (line[g / 2] == line[h / 2]) least = std::min(least, square_distance_to_edge(position, mesh, g, p));
-        for (int k = 0; k < 3; ++k) square += (nearest[k] - p[k]) * (nearest[k] - p[k]);
-        EXPECT_NEAR(square, least, 1e-12);
+        EXPECT_LT(length_of(there - hmf::nearest_on_edge(mesh, position, found, there)), 1e-12);
+        // In the direction of the edge, or against it.
+        EXPECT_GE(dot(there - p, way) * length, 0);
+        const double moved = length_of(there - p);
+        if (moved < std::fabs(length) - 1e-12) {
+            ++ends;
+            bool at_corner = false;
+            for (const uint32_t v : {mesh.origin[found], mesh.target(found)})
+                at_corner = at_corner || (degree[v] == 3 && square_of(hmf::point(position, v) - there) == 0);
+            EXPECT_TRUE(at_corner);
+        } else {
+            EXPECT_NEAR(moved, std::fabs(length), 1e-12);
+            passed += found / 2 != h / 2;
+        }
     }
+    EXPECT_GT(ends, 50u);
+    EXPECT_GT(passed, 50u);
 }
 
 } // namespace test_sharp_edges

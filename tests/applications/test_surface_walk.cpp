@@ -24,12 +24,14 @@ TEST(SurfaceWalk, NearestPointOfATriangle) {
     test::Random random(3);
     size_t met[7] = {};
     for (int n = 0; n < 3000; ++n) {
-        double corner[3][3], p[3], nearest[3];
+        double corner[3][3], p[3];
         for (auto& x : corner)
             for (double& c : x) c = random.unit();
         for (double& c : p) c = 3 * random.unit() - 1;
-        int on = -1;
-        const double square = hmf::nearest_in_triangle(p, corner[0], corner[1], corner[2], nearest, on);
+        const hmf::NearestPoint found = hmf::nearest_in_triangle(hmf::point(p, 0), hmf::point(corner[0], 0),
+                                                                 hmf::point(corner[1], 0), hmf::point(corner[2], 0));
+        const int on = found.on;
+        const double square = found.square, nearest[3] = {found.at.x, found.at.y, found.at.z};
         ASSERT_TRUE(on >= 0 && on <= 6);
         ++met[on];
         EXPECT_NEAR(square, square_distance(p, nearest), 1e-12);
@@ -62,28 +64,25 @@ TEST(SurfaceWalk, NearestPointOfASurface) {
     test::MadeMesh made(torus);
     const hmf::Mesh mesh = made.mesh();
     const double* const position = made.positions.data();
-    const auto nearest_of_face = [&](uint32_t h, const double* p, double* nearest) {
-        int on = 0;
-        return hmf::nearest_in_triangle(p, position + 3 * mesh.origin[h], position + 3 * mesh.target(h),
-                                        position + 3 * mesh.origin[mesh.prev(h)], nearest, on);
+    const auto nearest_of_face = [&](uint32_t h, const hmf::Point& p) {
+        return hmf::nearest_in_face(mesh, position, h, p);
     };
     test::Random random(4);
     size_t found = 0;
     for (int k = 0; k < 2000; ++k) {
         const uint32_t x = uint32_t(random.below(n)), y = uint32_t(random.below(m));
-        const double* const at = position + 3 * (x * m + y);
-        double p[3], nearest[3], other[3];
-        for (int c = 0; c < 3; ++c) p[c] = at[c] + 0.3 * (random.unit() - 0.5);
+        const hmf::Point p = hmf::point(position, x * m + y)
+                           + 0.3 * hmf::Point{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
         // From up to three cells away.
         const uint32_t from = (x + uint32_t(random.below(4))) % n * m + (y + uint32_t(random.below(4))) % m;
+        hmf::Point nearest;
         const uint32_t side = hmf::walk_to_nearest(mesh, position, mesh.out[from], p, nearest);
         double best = HUGE_VAL;
-        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) best = std::min(best, nearest_of_face(h, p, other));
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) best = std::min(best, nearest_of_face(h, p).square);
         // Where the surface is hollow the walk may end at a fold.
-        found += square_distance(p, nearest) < best + 1e-12;
-        EXPECT_LE(square_distance(p, nearest), nearest_of_face(mesh.out[from], p, other) + 1e-12);
-        nearest_of_face(side, p, other);
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(nearest[c], other[c], 1e-12);
+        found += square_of(p - nearest) < best + 1e-12;
+        EXPECT_LE(square_of(p - nearest), nearest_of_face(mesh.out[from], p).square + 1e-12);
+        EXPECT_LT(square_of(nearest - nearest_of_face(side, p).at), 1e-24);
     }
     EXPECT_GT(found, 1900u);
 }

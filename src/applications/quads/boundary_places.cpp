@@ -9,8 +9,7 @@
 #include "boundary_places.hpp"
 
 #include "../../core/base/heap_sort.hpp"
-#include "boundary_walk.hpp"
-#include "quad_shape.hpp"
+#include "surface_lines.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,8 +22,6 @@ constexpr double TURNS = 0.707; // cosine of 45 degrees
 constexpr int REACH = 3;        // sides that a vertex of one quad goes to a corner; others one
 constexpr double SPREAD = 0.05; // part of even places in all places, that no two are the same
 constexpr double OTHER = 0.5;   // cost, in squared sides, of a quad too many or too few at a corner
-
-double length_of(const Point& a) { return std::sqrt(dot(a, a)); }
 
 class BoundaryPlaces {
 public:
@@ -288,13 +285,12 @@ private:
         for (uint32_t i = 0; i < n; ++i) {
             uint32_t h = NONE;
             const Point p = point_at(moved_[i], h);
-            const double to[3] = {p.x, p.y, p.z};
-            quads_.put(loop_[i], to, h);
+            quads_.put(loop_[i], p, h);
         }
         for (uint32_t c = 0; c < corners_.size(); ++c) { // without rounding
             if (taken_[c] == NONE) continue;
             const uint32_t h = rim_[corners_[c].rim];
-            quads_.put(loop_[taken_[c]], position_ + size_t{3} * mesh_.origin[h], h);
+            quads_.put(loop_[taken_[c]], point(position_, mesh_.origin[h]), h);
         }
     }
 

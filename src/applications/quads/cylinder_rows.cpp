@@ -1,22 +1,30 @@
-// What all cylinders need, and cylinders that lie in front as a whole; the others: front_rows.cpp.
 #include "cylinder_rows.hpp"
 
 #include "../lines/polyline.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 namespace hmf {
 
+namespace {
+
 constexpr double MOST_SHIFT = 1e15; // of the columns of two boundaries: what doubles tell apart
+
+// The place of a column on a row that the path meets at `here`.
+double on_row(double place, double here) {
+    place -= here;
+    return place - std::floor(place);
+}
+
+} // namespace
 
 CylinderRows::CylinderRows(const QuadInput& in, const GridSizes& sizes, const GraphPoints& points, QuadMesh& out,
                            Call& call) :
     in_(in),
-    sizes_(sizes), points_(points), out_(out), call_(call), leaves_(in, call) {
+    sizes_(sizes), points_(points), out_(out), call_(call) {
     ruler_.start(call.memory);
     leaf_.start(call.memory);
+    height_.start(call.memory);
     lower_.start(call.memory);
     upper_.start(call.memory);
     all_.start(call.memory);
@@ -28,6 +36,11 @@ hmf_status CylinderRows::fill(uint32_t cylinder) {
     if (part == Part::strip) return fill_strip(cylinder);
     if (part == Part::ring) return fill_ring(cylinder);
     return in_.is_annulus() ? fill_annulus(cylinder) : fill_closed(cylinder);
+}
+
+hmf_status CylinderRows::torn(uint32_t cylinder) {
+    return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder,
+                      "The half of a cylinder in front has gaps. Please report it.");
 }
 
 // v along the path across a cylinder up to each piece, and at its end.
@@ -69,6 +82,15 @@ int64_t CylinderRows::height_of_row(uint32_t cylinder, int64_t k) const {
     return std::min(height, 2 * c.height - 1);
 }
 
+// The leaves of this many rows above the lower boundary.
+Done CylinderRows::set_heights(uint32_t cylinder, int64_t rows) {
+    height_.clear();
+    ends_at_boundary_ = false;
+    for (int64_t k = 1; k <= rows; ++k)
+        if (!height_.push(height_of_row(cylinder, k))) return false;
+    return here_.allocate(call_.memory, height_.size());
+}
+
 // The leaf at a height into leaf_, with the piece of the path that it crosses.
 hmf_status CylinderRows::find_leaf(uint32_t cylinder, int64_t height, uint64_t& piece) {
     const Crossing start = in_.cylinders.leaf_at(in_.f, cylinder, height, &piece);
@@ -86,12 +108,12 @@ hmf_status CylinderRows::read_leaf_at(uint32_t cylinder, int64_t height, int64_t
     uint64_t piece = 0;
     if (find_leaf(cylinder, height, piece)) return call_.status();
     ruler_.clear();
-    double v = 0, p[3];
+    double v = 0;
     for (size_t i = 0; i <= leaf_.size(); ++i) {
         const Crossing& at = leaf_[i < leaf_.size() ? i : 0];
-        point_at(in_.f, in_.position, at, p);
         const uint32_t end = shift > 0 ? in_.f.mesh.target(at.half_edge) : in_.f.mesh.origin[at.half_edge];
-        if (!(shift != 0 ? ruler_.push_on_boundary(in_, v, end, shift < 0) : ruler_.push(v, p, twin(at.half_edge))))
+        if (!(shift != 0 ? ruler_.push_on_boundary(in_, v, end, shift < 0)
+                         : ruler_.push(v, in_.place_of(at), twin(at.half_edge))))
             return call_.out_of_memory();
         v += in_.conjugate.step(at);
     }
@@ -100,64 +122,49 @@ hmf_status CylinderRows::read_leaf_at(uint32_t cylinder, int64_t height, int64_t
     return HMF_OK;
 }
 
-// Of the points of the lower row, as parts of its length.
+hmf_status CylinderRows::read_row(uint32_t cylinder, size_t k, double& twist) {
+    return read_leaf_at(cylinder, height_[k], ends_at_boundary_ && k + 1 == height_.size() ? -1 : 0, twist);
+}
+
+// Of the points of the lower row, as parts of its length; they are the row before.
 Done CylinderRows::set_places(double length) {
-    if (!place_.allocate(call_.memory, lower_.v.size())) return false;
-    for (size_t j = 0; j < place_.size(); ++j) place_[j] = lower_.v[j] / length;
+    const size_t n = lower_.v.size();
+    if (!place_.allocate(call_.memory, n) || !before_.allocate(call_.memory, n)) return false;
+    for (size_t j = 0; j < n; ++j) {
+        place_[j] = lower_.v[j] / length;
+        before_[j] = at(out_, lower_.vertex[j]);
+    }
     return true;
 }
 
-// The lower row is the previous one. Reserves space for the given number of rows.
-Done CylinderRows::start_rows(uint32_t rows) {
-    const size_t n = lower_.vertex.size();
-    if (!before_.allocate(call_.memory, 3 * n * rows)) return false;
-    for (size_t j = 0; j < n; ++j)
-        for (size_t k = 0; k < 3; ++k) before_[3 * j + k] = out_.positions[size_t{3} * lower_.vertex[j] + k];
-    return true;
-}
-
-// The place of a column on a row that the path meets at `here`.
-static double on_row(double place, double here) {
-    place -= here;
-    return place - std::floor(place);
-}
-
-// Where the columns of the lower row meet a row.
-void CylinderRows::points_of_row(const Ruler& row, double here, double* points) const {
-    const double round = row.v.back();
-    size_t piece = 0;
-    for (size_t j = 0; j < place_.size(); ++j) row.point(on_row(place_[j], here) * round, points + 3 * j, piece);
+// Where the columns of the lower row meet the row of ruler_.
+void CylinderRows::points_of_row(double here) {
+    for (size_t j = 0; j < place_.size(); ++j) ruler_.point(on_row(place_[j], here) * ruler_.length(), before_[j]);
 }
 
 // The turn of a row, as a part of its length, that brings it nearest to the row before; 0 where it is
 // within a few columns as it is.  Sizes are squared, of some columns.
-double CylinderRows::coarse_turn(const Ruler& row, const double* before, double here) const {
-    constexpr int64_t samples = 16, most_turns = 64;
+double CylinderRows::coarse_turn(double here) const {
+    constexpr size_t samples = 16;
+    constexpr int most_turns = 64;
     constexpr double near_enough = 9, better_by = 0.25; // squares of columns; of what there is without a turn
-    const int64_t n = static_cast<int64_t>(place_.size());
-    const double round = row.v.back();
-    const auto column = [&](int64_t i) { return static_cast<size_t>(i % samples * n / samples); };
-    const auto square_to = [](const double* a, const double* b) {
-        double square = 0;
-        for (int x = 0; x < 3; ++x) square += (a[x] - b[x]) * (a[x] - b[x]);
-        return square;
-    };
+    const size_t n = place_.size();
+    const auto column = [&](size_t i) { return i % samples * n / samples; };
     const auto misfit = [&](double turn) {
         double sum = 0;
-        for (int64_t i = 0; i < samples; ++i) {
-            double p[3];
-            row.point(on_row(place_[column(i)], here - turn) * round, p);
-            sum += square_to(p, &before[3 * column(i)]);
+        for (size_t i = 0; i < samples; ++i) {
+            Point p;
+            ruler_.point(on_row(place_[column(i)], here - turn) * ruler_.length(), p);
+            sum += square_of(p - before_[column(i)]);
         }
         return sum;
     };
     double columns = 0;
-    for (int64_t i = 0; i < samples; ++i)
-        columns += square_to(&before[3 * column(i)], &before[3 * ((column(i) + 1) % place_.size())]);
+    for (size_t i = 0; i < samples; ++i) columns += square_of(before_[column(i)] - before_[(column(i) + 1) % n]);
     const double now = misfit(0);
     double least = better_by * now, best = 0;
-    for (int64_t t = 1; t < most_turns && now > near_enough * columns; ++t) {
-        const double turn = static_cast<double>(t) / static_cast<double>(most_turns), there = misfit(turn);
+    for (int t = 1; t < most_turns && now > near_enough * columns; ++t) {
+        const double turn = static_cast<double>(t) / most_turns, there = misfit(turn);
         if (there >= least) continue;
         least = there;
         best = turn;
@@ -167,72 +174,87 @@ double CylinderRows::coarse_turn(const Ruler& row, const double* before, double 
 
 // Where the path meets a row that is turned so that straight columns from the row before meet it at right
 // angles in the mean.
-double CylinderRows::align_row(const Ruler& row, const double* before, double here) const {
+double CylinderRows::align_row(double here) const {
     const size_t n = place_.size();
-    const double round = row.v.back(), h = 0.25 / static_cast<double>(n);
-    here -= coarse_turn(row, before, here); // where the path runs along thin triangles, v along it may be far off
+    const double round = ruler_.length(), h = 0.25 / static_cast<double>(n);
+    here -= coarse_turn(here); // where the path runs along thin triangles, v along it may be far off
     for (int tries = 0; tries < 3; ++tries) {
         double sum = 0;
-        size_t piece = 0;
         for (size_t j = 0; j < n; ++j) {
-            const double* from = before + 3 * j;
-            double p[3], q[3], r[3], along = 0, square = 0;
-            row.point(on_row(place_[j] - h, here) * round, q, piece);
-            row.point(on_row(place_[j], here) * round, p, piece);
-            row.point(on_row(place_[j] + h, here) * round, r, piece);
-            for (int x = 0; x < 3; ++x) {
-                along += (from[x] - p[x]) * (r[x] - q[x]);
-                square += (r[x] - q[x]) * (r[x] - q[x]);
-            }
+            Point p, q, r;
+            ruler_.point(on_row(place_[j] - h, here) * round, q);
+            ruler_.point(on_row(place_[j], here) * round, p);
+            ruler_.point(on_row(place_[j] + h, here) * round, r);
             // At most a column.
-            const double off = square > 0 ? 2 * h * along / square : 0;
-            sum += off > 4 * h ? 4 * h : off < -4 * h ? -4 * h : off;
+            const double square = square_of(r - q), off = square > 0 ? 2 * h * dot(before_[j] - p, r - q) / square : 0;
+            sum += std::min(std::max(off, -4 * h), 4 * h);
         }
         here -= sum / static_cast<double>(n);
     }
     return here;
 }
 
-hmf_status CylinderRows::read_rows(uint32_t cylinder, int64_t first, uint32_t count) {
-    for (uint32_t i = 0; i < count; ++i) leaves_[i + 1].height = height_of_row(cylinder, first + i);
-    return leaves_.read(cylinder, 1, count + 1);
-}
-
 // Where the path meets each row, as a part of its length: at first by v along
 // the path; then each row is turned so that straight columns from the row
 // before meet it at right angles in the mean.  One path alone is as wrong
-// as the thin triangles on it make it.
-hmf_status CylinderRows::align_rows(uint32_t cylinder, double whole, double& turn) {
-    const Cylinder& c = in_.cylinders.list[cylinder];
-    const int64_t m = sizes_.rows[cylinder];
-    const uint32_t at_a_time = leaves_.at_a_time(cylinder);
-    const size_t size = 3 * place_.size();
-    if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !start_rows(at_a_time)) return call_.out_of_memory();
-    const auto by_path = [&](uint32_t i) { return twist_at(c, leaves_[i].piece, leaves_[i].height) / whole; };
-    double turned[LeafRows::MOST], path_before = 0, here = 0;
-    for (int64_t first = 1; first < m; first += at_a_time) {
-        const uint32_t count = static_cast<uint32_t>(std::min(int64_t{at_a_time}, m - first));
-        if (read_rows(cylinder, first, count)) return call_.status();
-        call_.parallel.for_each(count, [&](uint32_t i, uint32_t) {
-            double* const before = &before_[i * size];
-            if (first + i > 1) points_of_row(leaves_[i].ruler, by_path(i), before);
-            turned[i] = align_row(leaves_[i + 1].ruler, before, by_path(i + 1)) - by_path(i + 1);
-        });
-        for (uint32_t i = 0; i < count; ++i) {
-            here += by_path(i + 1) - path_before + turned[i];
-            path_before = by_path(i + 1);
-            here_[static_cast<size_t>(first + i)] = here;
-        }
-        std::swap(leaves_[0], leaves_[count]);
+// as the thin triangles on it make it.  path: v along it at the lower row; turn: of the upper boundary.
+hmf_status CylinderRows::align_rows(uint32_t cylinder, double whole, double path, double& turn) {
+    double here = 0;
+    for (size_t k = 0; k < height_.size(); ++k) {
+        const double before = path;
+        if (read_row(cylinder, k, path)) return call_.status();
+        here = here_[k] = align_row(here + (path - before) / whole);
+        points_of_row(here);
     }
-    turn = here + twist_[twist_.size() - 1] / whole - path_before;
+    turn = here + (twist_[twist_.size() - 1] - path) / whole;
     return HMF_OK;
 }
 
-// The vertices of the rows between both boundaries.  offset: of the column of the upper one that column 0 leads to.
-hmf_status CylinderRows::place_rows(uint32_t cylinder, double turn, double upper_length, double arrived,
-                                    int64_t& offset) {
-    const int64_t n = static_cast<int64_t>(place_.size()), m = sizes_.rows[cylinder];
+// The vertices of the rows inside.  slant(j): of column j from the lower boundary to the upper one.
+template <class Slant>
+hmf_status CylinderRows::place_rows(uint32_t cylinder, const Slant& slant) {
+    const double rows = static_cast<double>(sizes_.rows[cylinder]);
+    for (size_t k = 0; k < height_.size(); ++k) {
+        double path = 0;
+        if (read_row(cylinder, k, path)) return call_.status();
+        const uint8_t held = ends_at_boundary_ && k + 1 == height_.size() ? AT_BOUNDARY : 0;
+        for (size_t j = 0; j < place_.size(); ++j) {
+            const double place = place_[j] + static_cast<double>(k + 1) / rows * slant(static_cast<int64_t>(j));
+            Point p;
+            const uint32_t side = ruler_.point(on_row(place, here_[k]) * ruler_.length(), p);
+            if (!out_.add_vertex(p, side, held)) return call_.out_of_memory();
+        }
+    }
+    return HMF_OK;
+}
+
+// vertex(k, j): of row k from below, column j.  The cylinder lies right of its lower leaf.
+template <class Vertex>
+hmf_status CylinderRows::add_grid(int64_t rows, int64_t columns, const Vertex& vertex) {
+    for (int64_t k = 0; k < rows; ++k)
+        for (int64_t j = 0; j < columns; ++j)
+            if (!out_.add_quad(vertex(k, j), vertex(k + 1, j), vertex(k + 1, j + 1), vertex(k, j + 1)))
+                return call_.out_of_memory();
+    return HMF_OK;
+}
+
+// Both boundaries are critical leaves.
+hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
+    const Cylinder& c = in_.cylinders.list[cylinder];
+    const int64_t m = sizes_.rows[cylinder];
+    if (!points_.read_row(c.lower, lower_) || !points_.read_row(c.upper, upper_) || !read_path(c)
+        || !set_heights(cylinder, m - 1))
+        return call_.out_of_memory();
+    const int64_t n = static_cast<int64_t>(lower_.vertex.size());
+    if (static_cast<int64_t>(upper_.vertex.size()) != n)
+        return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder,
+                          "The boundaries of a cylinder have different numbers of columns. Please report it.");
+    const double lower_length = points_.length(c.lower), upper_length = points_.length(c.upper);
+    if (!set_places(lower_length)) return call_.out_of_memory();
+    // The flat cylinder is as long as both are in the mean; places in parts of it.
+    double turn = 0;
+    if (align_rows(cylinder, (lower_length + upper_length) / 2, 0, turn)) return call_.status();
+    const double arrived = arrival(c);
     const auto high = [&](int64_t j) { // the upper leaf runs the other way; j of any size
         const int64_t wraps = j >= 0 ? j / n : -((n - 1 - j) / n);
         return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length
@@ -240,70 +262,165 @@ hmf_status CylinderRows::place_rows(uint32_t cylinder, double turn, double upper
     };
     double shift = 0;
     for (int64_t j = 0; j < n; ++j) shift += high(-j) - place_[static_cast<size_t>(j)];
-    // One column on is a part 1 / n less.  Any whole number makes a closed mesh.
-    offset = std::fabs(shift) < MOST_SHIFT ? static_cast<int64_t>(std::floor(shift + 0.5)) : 0;
-    const uint32_t at_a_time = leaves_.at_a_time(cylinder);
-    for (int64_t first = 1; first < m; first += at_a_time) {
-        const uint32_t count = static_cast<uint32_t>(std::min(int64_t{at_a_time}, m - first));
-        const uint32_t base = out_.vertex_count();
-        if (read_rows(cylinder, first, count)) return call_.status();
-        if (!out_.add_vertices(count * static_cast<size_t>(n))) return call_.out_of_memory();
-        call_.parallel.for_each(count, [&](uint32_t i, uint32_t) {
-            const Ruler& row = leaves_[i + 1].ruler;
-            const double y = static_cast<double>(first + i) / static_cast<double>(m), round = row.v.back();
-            const double here = here_[static_cast<size_t>(first + i)];
-            size_t piece = 0;
-            for (int64_t j = 0; j < n; ++j) {
-                const double place = (1 - y) * place_[static_cast<size_t>(j)] + y * high(offset - j);
-                double p[3];
-                const uint32_t side = row.point(on_row(place, here) * round, p, piece);
-                out_.put(base + i * static_cast<uint32_t>(n) + static_cast<uint32_t>(j), p, side);
-            }
-        });
+    // The column of the upper boundary that column 0 leads to: one on is a part 1 / n less.  Any whole number makes a
+    // closed mesh.
+    const int64_t offset = std::fabs(shift) < MOST_SHIFT ? static_cast<int64_t>(std::floor(shift + 0.5)) : 0;
+    const uint32_t base = out_.vertex_count();
+    if (place_rows(cylinder, [&](int64_t j) { return high(offset - j) - place_[static_cast<size_t>(j)]; }))
+        return call_.status();
+    return add_grid(m, n, [&](int64_t k, int64_t j) {
+        if (k == 0) return lower_.vertex[static_cast<size_t>(j % n)];
+        if (k == m) return upper_.vertex[static_cast<size_t>(((offset - j) % n + n) % n)];
+        return base + static_cast<uint32_t>((k - 1) * n + j % n);
+    });
+}
+
+// Rows from the lower one to the boundary.
+hmf_status CylinderRows::add_rings(uint32_t cylinder, double whole, double path) {
+    const int64_t n = static_cast<int64_t>(place_.size());
+    const uint32_t base = out_.vertex_count();
+    double turn = 0;
+    ends_at_boundary_ = true;
+    if (align_rows(cylinder, whole, path, turn) || place_rows(cylinder, [](int64_t) { return 0.0; }))
+        return call_.status();
+    return add_grid(static_cast<int64_t>(height_.size()), n, [&](int64_t k, int64_t j) {
+        return k == 0 ? lower_.vertex[static_cast<size_t>(j % n)] : base + static_cast<uint32_t>((k - 1) * n + j % n);
+    });
+}
+
+// Up to the boundary curve in the middle, which is the last row.
+hmf_status CylinderRows::fill_ring(uint32_t cylinder) {
+    const Cylinder& c = in_.cylinders.list[cylinder];
+    const double length = points_.length(c.lower);
+    if (!points_.read_row(c.lower, lower_) || !read_path(c) || !set_heights(cylinder, sizes_.rows[cylinder] / 2))
+        return call_.out_of_memory();
+    for (const uint32_t v : lower_.vertex)
+        if (v == NONE) return torn(cylinder);
+    if (!set_places(length)) return call_.out_of_memory();
+    height_[height_.size() - 1] = c.height - 1;
+    return add_rings(cylinder, length, 0);
+}
+
+// Between its two boundary curves, both leaves.
+hmf_status CylinderRows::fill_annulus(uint32_t cylinder) {
+    const Cylinder& c = in_.cylinders.list[cylinder];
+    const int64_t n = sizes_.ring, rows = sizes_.rows[cylinder] / 2;
+    if (!read_path(c) || !set_heights(cylinder, rows)) return call_.out_of_memory();
+    int64_t from = -1, to = -1;
+    for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
+        const PathPiece& p = in_.cylinders.pieces[i];
+        if (p.from != 0 || !in_.front->reflection->is_boundary[in_.f.mesh.origin[p.half_edge]]) continue;
+        const bool to_front =
+            in_.front->reflection->is_front[p.half_edge] || in_.front->reflection->is_front[twin(p.half_edge)];
+        if (to_front && from < 0) from = p.height;
+        if (!to_front && from >= 0 && to < 0) to = p.height;
+    }
+    if (from < 0 || to < 0) return torn(cylinder);
+    for (size_t k = 0; k < height_.size(); ++k) {
+        const double t = static_cast<double>(k + 1) / static_cast<double>(rows);
+        height_[k] = static_cast<int64_t>(static_cast<double>(from) + t * static_cast<double>(to - from)) | 1;
+    }
+    height_[height_.size() - 1] = to - 1;
+    double path = 0;
+    if (read_leaf_at(cylinder, from + 1, 1, path)) return call_.status();
+    lower_.clear();
+    for (int64_t j = 0; j < n; ++j) {
+        const double place = static_cast<double>(j) / static_cast<double>(n);
+        Point p;
+        const uint32_t side = ruler_.point(place * ruler_.length(), p);
+        if (!lower_.push(out_.vertex_count(), place) || !out_.add_vertex(p, side, AT_BOUNDARY))
+            return call_.out_of_memory();
+    }
+    if (!set_places(1)) return call_.out_of_memory();
+    return add_rings(cylinder, ruler_.length(), path);
+}
+
+// Of a boundary leaf that the boundary crosses twice the points in front, in the order of the leaf, with
+// places from 0 to 1.
+hmf_status CylinderRows::read_front_row(uint32_t cylinder, uint32_t boundary, PointRow& row) {
+    const PointRow& all = all_;
+    if (!points_.read_row(boundary, all_)) return call_.out_of_memory();
+    const size_t n = all.vertex.size(), half = n / 2;
+    const double round = points_.length(boundary);
+    // Behind only zeros of the boundary have a vertex, and none of two in a row.
+    size_t start = 0, found = 0;
+    while (start < n && found <= half) {
+        for (found = 0; found <= half && all.vertex[(start + found) % n] != NONE; ++found) {}
+        start += found <= half;
+    }
+    if (found <= half || n % 2 != 0) return torn(cylinder);
+    row.clear();
+    for (size_t j = 0; j <= half; ++j) {
+        const size_t k = (start + j) % n;
+        if (!row.push(all.vertex[k], all.v[k] + (start + j >= n ? round : 0))) return call_.out_of_memory();
+    }
+    const double from = row.v[0], length = row.v[half] - from;
+    for (double& v : row.v) v = length > 0 ? (v - from) / length : 0;
+    return HMF_OK;
+}
+
+// The part of leaf_ in front into ruler_.
+hmf_status CylinderRows::rule_front(uint32_t cylinder) {
+    const size_t n = leaf_.size();
+    size_t i = 0;
+    while (i < n && !in_.front->crosses_to_front(leaf_[i])) ++i;
+    if (i == n) return torn(cylinder);
+    ruler_.clear();
+    double v = 0;
+    for (size_t k = 0; k < n; ++k, ++i) {
+        const Crossing& at = leaf_[i % n];
+        const bool ends = in_.front->crosses_to_back(at);
+        if (!ruler_.push(v, in_.place_of(at), ends ? at.half_edge : twin(at.half_edge))) return call_.out_of_memory();
+        if (ends) return HMF_OK;
+        v += in_.conjugate.step(at);
+    }
+    return torn(cylinder);
+}
+
+// The first leaf of an annulus from boundary to boundary: both ends of the strip.
+hmf_status CylinderRows::start_strip_of_annulus(uint32_t cylinder) {
+    uint64_t piece = 0;
+    if (find_leaf(cylinder, 1, piece) || rule_front(cylinder)) return call_.status();
+    lower_.clear();
+    upper_.clear();
+    const uint32_t first = out_.vertex_count(), n = static_cast<uint32_t>(sizes_.ring / 2);
+    for (uint32_t j = 0; j <= n; ++j) {
+        const double t = static_cast<double>(j) / static_cast<double>(n);
+        Point p;
+        const uint32_t side = ruler_.point(t * ruler_.length(), p);
+        if (!out_.add_vertex(p, side, j == 0 || j == n ? AT_BOUNDARY : uint8_t{0}) || !lower_.push(first + j, t)
+            || !upper_.push(first + (n - j), t))
+            return call_.out_of_memory();
     }
     return HMF_OK;
 }
 
-// Both boundaries are critical leaves.
-hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
+// From the boundary to the boundary: a rectangle.
+hmf_status CylinderRows::fill_strip(uint32_t cylinder) {
     const Cylinder& c = in_.cylinders.list[cylinder];
-    if (!points_.read_row(c.lower, lower_) || !points_.read_row(c.upper, upper_) || !read_path(c))
-        return call_.out_of_memory();
-    const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = sizes_.rows[cylinder];
-    if (static_cast<int64_t>(upper_.vertex.size()) != n)
-        return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder,
-                          "The boundaries of a cylinder have different numbers of columns. Please report it.");
-    const double lower_length = points_.length(c.lower), upper_length = points_.length(c.upper);
-    if (!set_places(lower_length)) return call_.out_of_memory();
-    // The flat cylinder is as long as both are in the mean; places in parts of it.
-    const double whole = (lower_length + upper_length) / 2;
-    const uint32_t base = out_.vertex_count();
-    double turn = 0;
-    int64_t offset = 0;
-    if (align_rows(cylinder, whole, turn) || place_rows(cylinder, turn, upper_length, arrival(c), offset))
+    if (in_.is_annulus() ? start_strip_of_annulus(cylinder)
+                         : read_front_row(cylinder, c.lower, lower_) || read_front_row(cylinder, c.upper, upper_))
         return call_.status();
-    const auto vertex = [&](int64_t k, int64_t j) {
-        if (k == 0) return lower_.vertex[static_cast<size_t>(j % n)];
-        if (k == m) return upper_.vertex[static_cast<size_t>(((offset - j) % n + n) % n)];
-        return base + static_cast<uint32_t>((k - 1) * n + j % n);
-    };
-    const size_t first = out_.quads.size();
-    if (!out_.quads.extend(static_cast<size_t>(4 * m * n))) return call_.out_of_memory();
-    // The cylinder lies right of its lower leaf.
-    call_.parallel.for_blocks(static_cast<size_t>(m * n), [&](size_t begin, size_t end) {
-        int64_t k = static_cast<int64_t>(begin) / n, j = static_cast<int64_t>(begin) % n;
-        for (size_t i = begin; i < end; ++i) {
-            uint32_t* const quad = &out_.quads[first + 4 * i];
-            quad[0] = vertex(k, j);
-            quad[1] = vertex(k + 1, j);
-            quad[2] = vertex(k + 1, j + 1);
-            quad[3] = vertex(k, j + 1);
-            if (++j < n) continue;
-            j = 0;
-            ++k;
+    const int64_t n = static_cast<int64_t>(lower_.vertex.size()) - 1, m = sizes_.rows[cylinder];
+    if (static_cast<int64_t>(upper_.vertex.size()) != n + 1) return torn(cylinder);
+    const uint32_t base = out_.vertex_count();
+    for (int64_t k = 1; k < m; ++k) {
+        const double y = static_cast<double>(k) / static_cast<double>(m);
+        uint64_t piece = 0;
+        if (find_leaf(cylinder, height_of_row(cylinder, k), piece) || rule_front(cylinder)) return call_.status();
+        for (int64_t j = 0; j <= n; ++j) {
+            const double place =
+                (1 - y) * lower_.v[static_cast<size_t>(j)] + y * (1 - upper_.v[static_cast<size_t>(n - j)]);
+            Point p;
+            const uint32_t side = ruler_.point(place * ruler_.length(), p);
+            if (!out_.add_vertex(p, side, j == 0 || j == n ? AT_BOUNDARY : uint8_t{0})) return call_.out_of_memory();
         }
+    }
+    return add_grid(m, n, [&](int64_t k, int64_t j) {
+        if (k == 0) return lower_.vertex[static_cast<size_t>(j)];
+        if (k == m) return upper_.vertex[static_cast<size_t>(n - j)];
+        return base + static_cast<uint32_t>((k - 1) * (n + 1) + j);
     });
-    return HMF_OK;
 }
 
 } // namespace hmf

@@ -7,12 +7,11 @@
 // boundaries; each row then corrects it, so that columns from the row before meet it at right angles
 // in the mean.  The rows between take the mean of both boundaries, weighted by height.
 //
-// How far a row turns against the one before depends on these two leaves alone, so that some rows at a
-// time are read and turned on the threads of the host; the sum of the turns is where each one lies.
+// Of a double the part in front: all of a cylinder, the rows below the boundary curve in its middle (a ring), those
+// between two such curves (an annulus), or the half of each row between two points of the boundary (a strip).
 #pragma once
 
 #include "graph_points.hpp"
-#include "leaf_rows.hpp"
 
 namespace hmf {
 
@@ -25,30 +24,28 @@ public:
 
 private:
     [[nodiscard]] hmf_status fill_closed(uint32_t cylinder);
-    [[nodiscard]] hmf_status align_rows(uint32_t cylinder, double whole, double& turn);
+    [[nodiscard]] hmf_status fill_ring(uint32_t cylinder);
+    [[nodiscard]] hmf_status fill_annulus(uint32_t cylinder);
+    [[nodiscard]] hmf_status fill_strip(uint32_t cylinder);
+
     Done read_path(const Cylinder& c);
     double twist_at(const Cylinder& c, uint64_t piece, int64_t height) const;
     double arrival(const Cylinder& c) const;
     int64_t height_of_row(uint32_t cylinder, int64_t k) const;
+    Done set_heights(uint32_t cylinder, int64_t rows);
     [[nodiscard]] hmf_status find_leaf(uint32_t cylinder, int64_t height, uint64_t& piece);
     [[nodiscard]] hmf_status read_leaf_at(uint32_t cylinder, int64_t height, int64_t shift, double& twist);
-    [[nodiscard]] hmf_status read_rows(uint32_t cylinder, int64_t first, uint32_t count);
-    [[nodiscard]] hmf_status place_rows(uint32_t cylinder, double turn, double upper_length, double arrived,
-                                        int64_t& offset);
+    [[nodiscard]] hmf_status read_row(uint32_t cylinder, size_t k, double& twist);
+    [[nodiscard]] hmf_status align_rows(uint32_t cylinder, double whole, double path, double& turn);
+    template <class Slant>
+    [[nodiscard]] hmf_status place_rows(uint32_t cylinder, const Slant& slant);
+    template <class Vertex>
+    [[nodiscard]] hmf_status add_grid(int64_t rows, int64_t columns, const Vertex& vertex);
+    [[nodiscard]] hmf_status add_rings(uint32_t cylinder, double whole, double path);
     Done set_places(double length);
-    Done start_rows(uint32_t rows);
-    void points_of_row(const Ruler& row, double here, double* points) const;
-    double align_row(const Ruler& row, const double* before, double here) const;
-    double coarse_turn(const Ruler& row, const double* before, double here) const;
-
-    // Of a double (front_rows.cpp).
-    [[nodiscard]] hmf_status fill_ring(uint32_t cylinder);
-    [[nodiscard]] hmf_status fill_annulus(uint32_t cylinder);
-    [[nodiscard]] hmf_status fill_strip(uint32_t cylinder);
-    template <class Height>
-    [[nodiscard]] hmf_status stack_rows(uint32_t cylinder, int64_t rows, double whole, const Height& height);
-    [[nodiscard]] hmf_status add_strip_rows(uint32_t cylinder, int64_t columns);
-    [[nodiscard]] hmf_status start_strip(uint32_t cylinder);
+    void points_of_row(double here);
+    double align_row(double here) const;
+    double coarse_turn(double here) const;
     [[nodiscard]] hmf_status start_strip_of_annulus(uint32_t cylinder);
     [[nodiscard]] hmf_status read_front_row(uint32_t cylinder, uint32_t boundary, PointRow& row);
     [[nodiscard]] hmf_status rule_front(uint32_t cylinder);
@@ -61,13 +58,13 @@ private:
     Call& call_;
     BoundaryRuler ruler_;
     Array<Crossing> leaf_;
-    Array<double> twist_;  // v along the path across a cylinder, per piece
-    Array<double> place_;  // of the points of the lower row, from 0 to 1
-    Array<double> here_;   // per row: where the path meets it
-    Array<double> before_; // points of the row before; for each of some rows
-    LeafRows leaves_;      // the last one of those before comes first
+    Array<double> twist_;           // v along the path across a cylinder, per piece
+    Array<double> place_;           // of the points of the lower row, from 0 to 1
+    Array<int64_t> height_;         // per row inside, of the leaf: half units above the lower side
+    bool ends_at_boundary_ = false; // the last of them lies on the boundary
+    Array<double> here_;            // per row inside: where the path meets it
+    Array<Point> before_;           // points of the row before
     PointRow lower_, upper_, all_;
-    Array<uint32_t> row_; // two rows of vertices
 };
 
 } // namespace hmf

@@ -1,17 +1,27 @@
 // A quad mesh along leaves fitted to its surface.
 #pragma once
 
-#include "../../core/leaves/mirror_symmetry.hpp"
-#include "quad_mesh.hpp"
+#include "quad_shape.hpp"
 
 namespace hmf {
 
 constexpr uint64_t MOST_RELAX_STEPS = 1000;
 
-// Optimizes quads in at most `sweeps` sweeps at a time, with vertices on tips and sharp edges, then divides each quad
-// into four `halvings` times. inverted: number of inverted quads in the result (quad_figures.hpp). front: the original
-// sheet of a double, of which `mesh` and the quads are a part; NULL: the surface is closed.
-[[nodiscard]] hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int sweeps,
-                                   int halvings, QuadMesh& quads, uint64_t& inverted, Call& call);
+// Optimizes quads in at most `sweeps` sweeps at a time, with vertices on tips and sharp edges.  Triangles of the mesh
+// with the number NONE are no part of the surface.
+[[nodiscard]] hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads, Call& call);
+
+// Its steps:
+
+constexpr double LEAST_TAKEN = 0.3; // sine of the corners around a vertex that goes to a sharp edge or a tip
+
+// Where a row or a column of quads runs along edges sharper than 40 degrees, within half a side of a quad, its vertices
+// move onto them and are held there.  snapped: how many.
+[[nodiscard]] hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const SurfaceSearch& surface,
+                                             QuadMesh& quads, size_t& snapped, Call& call);
+
+// Vertices go to places of the surface that stick out from the quads, and are held there.  moved: how many.
+[[nodiscard]] hmf_status reach_tips(const Mesh& mesh, const double* position, const SurfaceSearch& surface,
+                                    QuadMesh& quads, size_t& moved, Call& call);
 
 } // namespace hmf

@@ -30,7 +30,7 @@ public:
                 return call_.was_cancelled();
             const uint32_t h = 2 * waiting_.back();
             waiting_.pop();
-            if (!is_inside(h) || !should_flip(h) || would_move(h)) continue;
+            if (!is_inside(h) || !should_flip(h)) continue;
             flip_both(h);
             --left;
             for (const uint32_t g : {mesh_.next[h], mesh_.prev(h), mesh_.next[twin(h)], mesh_.prev(twin(h))})
@@ -71,19 +71,6 @@ private:
         if (dot(cross(d - c, d - b), up) >= 0 || dot(cross(c, d - c), up) >= 0) return false;
         const double at_c = dot(c, c - b) / std::sqrt(dot(up, up)), at_d = dot(d, d - b) / std::sqrt(dot(down, down));
         return at_c + at_d < -COTANGENT_ROUNDING * (1 + std::fabs(at_c) + std::fabs(at_d));
-    }
-
-    // Whether the flip of an edge moves the cluster at one of its ends (foliation/transport.cpp).
-    bool would_move(uint32_t h) {
-        const int64_t ij = f_.at(h), jk = f_.at(mesh_.next[h]), ik = f_.at(mesh_.prev(h)),
-                      il = f_.at(mesh_.next[twin(h)]), jl = f_.at(mesh_.prev(twin(h)));
-        if (ij == 0) return ik > 0 && il > 0;
-        uint32_t closed = NONE;
-        if (ik > 0 && il > 0 && jk == ij + ik && jl == ij + il) closed = h;
-        if (jk > 0 && jl > 0 && ik == ij + jk && il == ij + jl) closed = twin(h);
-        if (closed == NONE) return false;
-        const Cluster cluster = explore_cluster(f_, mesh_.origin[closed], ClusterSearch().up_to_corners(3));
-        return cluster.complete && cluster.is_disk();
     }
 
     // Of a double the mirror image turns the other way.

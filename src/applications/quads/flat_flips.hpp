@@ -17,7 +17,7 @@ namespace hmf {
 //       \ /              \|/
 //        d                d
 //
-// The surface and the foliation stay as they are: an edge stays where its flip would move a cluster first.
+// The surface stays as it is, and the foliation in its class.
 // mirror: of a double, which stays exactly symmetric; NULL: the surface is closed.
 [[nodiscard]] hmf_status flip_flat_parts(Foliation& f, const double* position, const Reflection* mirror, Call& call);
 

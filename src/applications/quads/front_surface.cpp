@@ -1,8 +1,6 @@
 #include "front_surface.hpp"
 
-#include "boundary_walk.hpp"
-#include "line_walk.hpp"
-#include "quad_shape.hpp"
+#include "surface_lines.hpp"
 
 namespace hmf {
 
@@ -27,7 +25,7 @@ void FrontSurface::bring_forward(const double* position, QuadMesh& quads) const 
         if (mesh_.face[side] == NONE) side = twin(reflection_->half_edge[side]);
     for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
         if (!is_at_boundary(quads.held[v])) continue;
-        const double* const p = &quads.positions[size_t{3} * v];
+        const Point p = at(quads, v);
         const uint32_t rim = rim_at(position, quads.sides[v], p);
         if (rim != NONE) quads.sides[v] = rim;
         if (rim == NONE || is_marked(position, rim, p)) quads.held[v] = AT_CORNER;
@@ -36,14 +34,14 @@ void FrontSurface::bring_forward(const double* position, QuadMesh& quads) const 
 
 // The edge of the boundary on which p lies: the one that it is said to lie on or one beside that, for two edges may lie
 // at the same place; else the nearest one at the triangle.
-uint32_t FrontSurface::rim_at(const double* position, uint32_t side, const double* p) const {
+uint32_t FrontSurface::rim_at(const double* position, uint32_t side, const Point& p) const {
     const uint32_t said = is_on_rim(mesh_, side) ? side : NONE;
     if (said != NONE) {
-        double nearest[3], t = 0;
+        const auto square_to = [&](uint32_t h) { return square_of(p - nearest_on_edge(mesh_, position, h, p)); };
         uint32_t best = said;
-        double least = nearest_on_edge(mesh_, position, said, p, nearest, t);
+        double least = square_to(said);
         for (const uint32_t h : {next_on_rim(mesh_, said), twin(next_on_rim(mesh_, twin(said)))}) {
-            const double square = nearest_on_edge(mesh_, position, h, p, nearest, t);
+            const double square = square_to(h);
             if (!(square < least)) continue;
             least = square;
             best = h;
@@ -55,10 +53,9 @@ uint32_t FrontSurface::rim_at(const double* position, uint32_t side, const doubl
 }
 
 // Whether p is a marked vertex at an end of the boundary edge.
-bool FrontSurface::is_marked(const double* position, uint32_t rim, const double* p) const {
+bool FrontSurface::is_marked(const double* position, uint32_t rim, const Point& p) const {
     for (const uint32_t v : {mesh_.origin[rim], mesh_.target(rim)}) {
-        const Point off = point(position, v) - point(p, 0);
-        if (mesh_.is_marked(v) && !(dot(off, off) > 0)) return true;
+        if (mesh_.is_marked(v) && !(square_of(point(position, v) - p) > 0)) return true;
     }
     return false;
 }

@@ -18,8 +18,8 @@ public:
     void bring_forward(const double* position, QuadMesh& quads) const;
 
 private:
-    uint32_t rim_at(const double* position, uint32_t side, const double* p) const;
-    bool is_marked(const double* position, uint32_t rim, const double* p) const;
+    uint32_t rim_at(const double* position, uint32_t side, const Point& p) const;
+    bool is_marked(const double* position, uint32_t rim, const Point& p) const;
 
     const Reflection* reflection_ = nullptr;
     Array<uint32_t> face_;

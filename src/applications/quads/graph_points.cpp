@@ -78,7 +78,7 @@ Done GraphPoints::place_zeros() {
             continue;
         }
         zero_vertex_[z] = next++;
-        double p[3];
+        Point p;
         uint32_t side = zero_point(place, p);
         if (at_boundary && in_.front->zero[place] != Part::on_boundary) side = point_across(z, p);
         if (!out_.add_vertex(p, side, at_boundary ? AT_BOUNDARY : uint8_t{0})) return false;
@@ -102,31 +102,32 @@ void GraphPoints::find_place(uint32_t z, uint32_t& place, bool& in_front, bool& 
 }
 
 // A side of the triangle it lies in.
-uint32_t GraphPoints::zero_point(uint32_t zero, double* p) const {
+uint32_t GraphPoints::zero_point(uint32_t zero, Point& p) const {
     const Zero& z = in_.graph.zeros[zero];
-    if (z.tripod) {
-        middle_of_tripod(in_.f, in_.position, z.element, p);
-        return z.element;
+    if (!z.tripod) {
+        p = point(in_.position, z.element);
+        return in_.f.mesh.out[z.element];
     }
-    for (size_t k = 0; k < 3; ++k) p[k] = in_.position[size_t{3} * z.element + k];
-    return in_.f.mesh.out[z.element];
+    double middle[3];
+    middle_of_tripod(in_.f, in_.position, z.element, middle);
+    p = point(middle, 0);
+    return z.element;
 }
 
 // Where the arc without columns crosses the boundary.
-uint32_t GraphPoints::point_across(uint32_t z, double* p) const {
+uint32_t GraphPoints::point_across(uint32_t z, Point& p) const {
     for (uint32_t a = 0; a < in_.graph.arcs.size(); ++a)
         if (sizes_.columns[a] == 0 && in_.is_half(a) && joined_[zero_of(in_.graph.arcs[a].from)] == z) {
             const Crossing& c = in_.graph.crossings[in_.front->arc_middle[a]];
-            point_at(in_.f, in_.position, {c.half_edge, c.at + 1}, p);
+            p = in_.place_of({c.half_edge, c.at + 1});
             return in_.front->crosses_to_back(c) ? c.half_edge : twin(c.half_edge);
         }
     return zero_point(z, p);
 }
 
 Done GraphPoints::push_crossing(uint64_t i) {
-    double p[3];
-    point_at(in_.f, in_.position, {in_.graph.crossings[i].half_edge, in_.graph.crossings[i].at + 1}, p);
-    return ruler_.push(v_[i], p, twin(in_.graph.crossings[i].half_edge));
+    const Crossing& c = in_.graph.crossings[i];
+    return ruler_.push(v_[i], in_.place_of({c.half_edge, c.at + 1}), twin(c.half_edge));
 }
 
 // The boundary in place of a leaf beside it.
@@ -146,7 +147,7 @@ Done GraphPoints::push_boundary_arc(const ArcSide& arc, uint64_t last) {
 Done GraphPoints::place_arc(uint32_t a) {
     const ArcSide& arc = in_.graph.arcs[a];
     const bool on_boundary = in_.front && in_.front->arc_mirror[a] == arc.twin;
-    double p[3];
+    Point p;
     ruler_.clear();
     uint32_t side = zero_point(zero_of(arc.from), p);
     if (in_.tripod(arc.from) && !ruler_.push(from_[a], p, side)) return false;
@@ -198,7 +199,7 @@ Done GraphPoints::place_ring() {
         if (!push_crossing(i)) return false;
     const int64_t n = sizes_.ring;
     for (int64_t i = 0; i < n; ++i) {
-        double p[3];
+        Point p;
         const uint32_t side = ruler_.point(v_[b.end - 1] * static_cast<double>(i) / static_cast<double>(n), p);
         if (!out_.add_vertex(p, side)) return false;
     }

@@ -2,7 +2,6 @@
 // them, which the grids on both sides share.
 #pragma once
 
-#include "boundary_ruler.hpp"
 #include "grid_sizes.hpp"
 
 namespace hmf {
@@ -40,8 +39,8 @@ private:
     void measure_leaf(const Boundary& b);
     Done place_zeros();
     void find_place(uint32_t z, uint32_t& place, bool& in_front, bool& at_boundary) const;
-    uint32_t zero_point(uint32_t zero, double* p) const;
-    uint32_t point_across(uint32_t z, double* p) const;
+    uint32_t zero_point(uint32_t zero, Point& p) const;
+    uint32_t point_across(uint32_t z, Point& p) const;
     Done push_crossing(uint64_t i);
     Done push_boundary_arc(const ArcSide& arc, uint64_t last);
     Done place_arc(uint32_t a);

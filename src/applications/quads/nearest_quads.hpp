@@ -1,37 +1,30 @@
-// The quads near each vertex of the surface.
+// Which quad is nearest to a point in space.
 #pragma once
 
-#include "../../core/leaves/mirror_symmetry.hpp"
-#include "quad_shape.hpp"
-
-#include <cmath>
+#include "box_tree.hpp"
+#include "quad_mesh.hpp"
 
 namespace hmf {
 
-// Each vertex of the surface belongs to the vertex of the quads that is nearest along edges of the surface, its owner,
-// and is compared with the quads around that.
+// Each quad is two triangles along its shorter diagonal.
 class NearestQuads {
 public:
-    // stars: of the quads.  front: of a double, only vertices in front have owners; NULL: the surface is closed.
-    Done build(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
-               const QuadStars& stars, Call& call);
-
-    uint32_t owner(uint32_t x) const { return owner_[x]; }   // NONE: x is not in front
-    uint32_t before(uint32_t x) const { return before_[x]; } // the vertex before x on the path from its owner; NONE
+    Done build(const QuadMesh& quads, Memory& memory);
 
     struct Place {
         uint32_t quad = NONE;
         double square = HUGE_VAL; // of the distance
     };
-    // The nearest of the quads around the owner, each of them two triangles along its shorter diagonal; no quad if
-    // its squared distance is at most `least`.
-    Place find(uint32_t x, double least) const;
+    // The nearest quad, or one whose squared distance is at most `enough`.  The quad found before is tried first, as
+    // points that follow each other are near to each other.
+    Place find(const Point& p, double enough);
 
 private:
-    const double* position_ = nullptr;
+    double square_to(const Point& p, uint32_t q) const;
+
     const QuadMesh* quads_ = nullptr;
-    const QuadStars* stars_ = nullptr;
-    Array<uint32_t> owner_, before_;
+    BoxTree tree_;
+    uint32_t last_ = 0;
 };
 
 } // namespace hmf

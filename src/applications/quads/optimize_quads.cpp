@@ -9,10 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "boundary_walk.hpp"
 #include "corner_energy.hpp"
-#include "sharp_edges.hpp"
+#include "surface_lines.hpp"
 #include "surface_walk.hpp"
 
 namespace hmf {
@@ -30,11 +30,6 @@ constexpr int RINGS = 4;                           // around folded quads, twice
 constexpr double SOFT = 0.2, HARDER = 0.8;         // eps in the worst corner; in the sweep before
 constexpr uint32_t SLICE = 256;                    // vertices between ticks
 constexpr int MOST_RIM_EDGES = 64;                 // between two neighbors on the boundary
-
-Point of_length_one(const Point& a) {
-    const double length = std::sqrt(dot(a, a));
-    return length > 0 ? (1 / length) * a : Point{};
-}
 
 // The corners of a quad from v on.
 struct Around {
@@ -55,16 +50,15 @@ struct Around {
 
 // From one vertex on the boundary to the next one; 0: that is not known.
 double arc(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t from, uint32_t to) {
-    const auto length = [](const Point& a) { return std::sqrt(dot(a, a)); };
     const uint32_t end = quads.sides[to];
     uint32_t h = quads.sides[from];
-    if (h == end) return length(at(quads, to) - at(quads, from));
-    double sum = length(point(position, mesh.target(h)) - at(quads, from));
+    if (h == end) return length_of(at(quads, to) - at(quads, from));
+    double sum = length_of(point(position, mesh.target(h)) - at(quads, from));
     for (int k = 0; k < MOST_RIM_EDGES; ++k) {
         h = next_on_rim(mesh, h);
         const Point origin = point(position, mesh.origin[h]);
-        if (h == end) return sum + length(at(quads, to) - origin);
-        sum += length(point(position, mesh.target(h)) - origin);
+        if (h == end) return sum + length_of(at(quads, to) - origin);
+        sum += length_of(point(position, mesh.target(h)) - origin);
     }
     return 0;
 }
@@ -119,7 +113,7 @@ Done QuadOptimizer::set_targets() {
     double whole = 0, sum = 0;
     for (size_t q = 0; q < count; ++q) {
         const Point d = Around(quads_, static_cast<uint32_t>(q), quads_.quads[4 * q]).diagonals();
-        target_[q] = 0.5 * std::sqrt(dot(d, d));
+        target_[q] = 0.5 * length_of(d);
         whole += target_[q];
     }
     mean_ = whole / static_cast<double>(count);
@@ -155,9 +149,8 @@ Done QuadOptimizer::set_targets() {
 // bend: 0 where the normals at the corners agree, up to 1 where they have no side in common.
 Point QuadOptimizer::normal_of(const uint32_t* corner, double* bend) const {
     const Point sum = (normal_[corner[0]] + normal_[corner[1]]) + (normal_[corner[2]] + normal_[corner[3]]);
-    const double length = std::sqrt(dot(sum, sum));
-    if (bend) *bend = 1 - 0.25 * length;
-    return length > 0 ? (1 / length) * sum : Point{};
+    if (bend) *bend = 1 - 0.25 * length_of(sum);
+    return of_length_one(sum);
 }
 
 // areas: of each corner around v, relative to the target area.
@@ -175,7 +168,7 @@ double QuadOptimizer::energy(uint32_t v, double* areas) const {
         }
         if (growth_ > 0) {
             const Point d = quad.diagonals();
-            const double area = 0.5 * std::sqrt(dot(d, d));
+            const double area = 0.5 * length_of(d);
             sum -= growth_ * weight_[v] / mean_ * (dot(d, n) > 0 ? area : -area);
         }
     }
@@ -296,11 +289,11 @@ bool QuadOptimizer::move(uint32_t v) {
         for (double& x : step) x *= most / length;
     const Point from = at(quads_, v), normal = normal_[v];
     const uint32_t h = quads_.sides[v];
+    const size_t bad = barrier_ ? bad_around(v) : 0;
     for (const double t : STEPS) {
         const double part[2] = {t * step[0], t * step[1]};
-        if (!try_step(v, axes, part, s.energy)) {
-            const double back[3] = {from.x, from.y, from.z};
-            quads_.put(v, back, h);
+        if (!try_step(v, axes, part, s.energy, bad)) {
+            quads_.put(v, from, h);
             normal_[v] = normal;
             continue;
         }
@@ -310,24 +303,31 @@ bool QuadOptimizer::move(uint32_t v) {
     return false;
 }
 
-bool QuadOptimizer::try_step(uint32_t v, const Axes& axes, const double* step, double before) {
+// Quads around v that are folded as they are counted, seen by themselves.
+size_t QuadOptimizer::bad_around(uint32_t v) const {
+    size_t bad = 0;
+    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) bad += !(worst_corner(quads_, *q) > 0);
+    return bad;
+}
+
+bool QuadOptimizer::try_step(uint32_t v, const Axes& axes, const double* step, double before, size_t bad) {
     const Point off = step[0] * axes.first + step[1] * axes.second, to = at(quads_, v) + off;
-    double p[3] = {to.x, to.y, to.z}, nearest[3];
+    Point there;
     uint32_t side = quads_.sides[v];
-    if (quads_.held[v] == AT_BOUNDARY) side = slide_along_rim(mesh_, position_, side, at(quads_, v), step[0], nearest);
+    if (quads_.held[v] == AT_BOUNDARY) side = slide_along_rim(mesh_, position_, side, at(quads_, v), step[0], there);
     else if (quads_.held[v] == ON_CREASE)
-        side = slide_along_sharp_edges(mesh_, position_, side, at(quads_, v), step[0], nearest);
-    else side = walk_to_nearest(mesh_, position_, side, p, nearest);
-    const Point there = point(nearest, 0), jump = there - to;
+        side = slide_along_sharp_edges(mesh_, position_, side, at(quads_, v), step[0], there);
+    else side = walk_to_nearest(mesh_, position_, side, to, there);
+    const Point jump = there - to;
     if (quads_.held[v] == 0 && dot(jump, jump) > dot(off, off)) return false;
-    quads_.put(v, nearest, side);
+    quads_.put(v, there, side);
     normal_[v] = normals_.at(side, there);
     const double now = energy(v, after_.data());
     if (!(now < before)) return false;
     const size_t count = 4 * static_cast<size_t>(stars_.end(v) - stars_.begin(v));
     for (size_t k = 0; barrier_ && k < count; ++k)
         if (!(after_[k] > 0) && !(after_[k] >= before_[k])) return false;
-    return true;
+    return !barrier_ || bad_around(v) <= bad;
 }
 
 Done QuadOptimizer::sweep(bool forward, double& moved) {
@@ -441,19 +441,20 @@ hmf_status QuadOptimizer::untangle_round(int round) {
     return HMF_OK;
 }
 
-hmf_status QuadOptimizer::untangle() {
+hmf_status QuadOptimizer::untangle(int first_round) {
     growth_ = sag_ = 0;
     barrier_ = false;
     if (!set_targets()) return call_.stopped();
     size_t least = 0, now = 0;
     if (!count_folded(least)) return call_.was_cancelled();
-    QuadPlaces best;
-    for (int round = 0; round < OPTIMIZE_ROUNDS && least > 0; ++round) {
-        if (!best.keep(quads_, call_.memory)) return call_.out_of_memory();
+    QuadMesh best;
+    for (int k = 0; k < OPTIMIZE_ROUNDS && least > 0; ++k) {
+        const int round = (first_round + k) % OPTIMIZE_ROUNDS;
+        if (!best.copy(quads_, call_.memory)) return call_.out_of_memory();
         if (untangle_round(round)) return call_.status();
         if (!count_folded(now)) return call_.was_cancelled();
         if (now > least) {
-            best.give_back(quads_);
+            std::swap(quads_, best);
             look_again();
         } else least = now;
     }

@@ -15,8 +15,9 @@ public:
 
     [[nodiscard]] hmf_status start();
 
-    // Turns folded quads over, around them, and lets go there what is held where that does not do.
-    [[nodiscard]] hmf_status untangle();
+    // Turns folded quads over, in rounds: in the first one all vertices move, in the second one those around them, in
+    // the third one those farther around, of which what is held is released, in the fourth one likewise.
+    [[nodiscard]] hmf_status untangle(int first_round = 0);
 
     // Makes at most the given number of sweeps over the vertices; no sweep folds a corner that is not folded.
     [[nodiscard]] hmf_status shape(int sweeps);
@@ -41,7 +42,8 @@ private:
     double boundary_energy(uint32_t v, const Axes* axes, Slopes* sum) const;
     double side_of(uint32_t v) const;
     bool move(uint32_t v);
-    bool try_step(uint32_t v, const Axes& axes, const double* step, double before);
+    size_t bad_around(uint32_t v) const;
+    bool try_step(uint32_t v, const Axes& axes, const double* step, double before, size_t bad);
     Done sweep(bool forward, double& moved);
     Done set_targets();
     Done find_boundary();

@@ -1,9 +1,10 @@
 #include "quad_figures.hpp"
 
 #include "nearest_quads.hpp"
+#include "surface_lines.hpp"
 #include "surface_search.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 namespace hmf {
 
@@ -11,17 +12,13 @@ namespace {
 
 constexpr uint32_t FIGURES_SLICE = 4096; // elements between ticks
 
-Done measure_distance(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
-                      double& distance, Call& call) {
-    QuadStars stars;
+Done measure_distance(const Mesh& mesh, const double* position, const QuadMesh& quads, double& distance, Call& call) {
     NearestQuads near;
-    if (!stars.build(quads, call.memory) || !near.build(mesh, position, front, quads, stars, call)) return false;
+    if (!near.build(quads, call.memory)) return false;
     double square = 0;
     for (uint32_t x = 0; x < mesh.vertex_count; ++x) {
         if (x % FIGURES_SLICE == 0 && !call.tick(0)) return false;
-        if (near.owner(x) == NONE) continue;
-        const NearestQuads::Place place = near.find(x, square);
-        if (place.quad != NONE) square = place.square;
+        if (side_at(mesh, x) != NONE) square = std::max(square, near.find(point(position, x), square).square);
     }
     distance = std::sqrt(square);
     return true;
@@ -38,8 +35,8 @@ Done count_inverted(const SurfaceSearch& surface, const QuadMesh& quads, uint64_
     return true;
 }
 
-hmf_status quad_figures(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
-                        QuadFigures& figures, Call& call) {
+hmf_status quad_figures(const Mesh& mesh, const double* position, const QuadMesh& quads, QuadFigures& figures,
+                        Call& call) {
     SurfaceSearch surface;
     Array<uint32_t> valence;
     figures = {};
@@ -51,10 +48,10 @@ hmf_status quad_figures(const Mesh& mesh, const double* position, const Reflecti
     for (size_t q = 0; q < quads.quad_count(); ++q) {
         const auto corner = [&](size_t k) { return at(quads, quads.quads[4 * q + k]); };
         const Point normal = cross(corner(2) - corner(0), corner(3) - corner(1));
-        figures.area += 0.5 * std::sqrt(dot(normal, normal));
+        figures.area += 0.5 * length_of(normal);
     }
     if (!count_inverted(surface, quads, figures.inverted, call)
-        || !measure_distance(mesh, position, front, quads, figures.distance, call))
+        || !measure_distance(mesh, position, quads, figures.distance, call))
         return call.stopped();
     return HMF_OK;
 }

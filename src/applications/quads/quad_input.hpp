@@ -21,6 +21,19 @@ struct QuadInput {
     Part part_of(uint32_t cylinder) const { return front ? front->cylinder[cylinder] : Part::front; }
     bool is_half(uint32_t a) const { return part_of_arc(a) == Part::first_half || part_of_arc(a) == Part::second_half; }
     bool is_annulus() const { return front && graph.zeros.empty(); } // then with one cylinder
+    Point place_of(const Crossing& c) const;
+};
+
+// A line along leaves of a double that may run on the boundary of the surface.
+class BoundaryRuler : public Ruler {
+public:
+    // A vertex of the boundary, with those that lie between the one before and it: past parts that no leaf
+    // crosses.  ahead: the line runs with the front on its left; round: once round, if it is the same vertex.
+    // Other vertices are left out.
+    Done push_on_boundary(const QuadInput& in, double value, uint32_t vertex, bool ahead, bool round = false);
+
+private:
+    uint32_t last_ = NONE; // vertex of the boundary
 };
 
 } // namespace hmf

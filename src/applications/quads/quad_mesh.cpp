@@ -12,7 +12,7 @@
 //
 //     sizes    how many columns and rows                          quad_sizes, grid_sizes
 //     points   the vertices on the critical graph                 graph_points
-//     rows     those inside the cylinders, and the quads          cylinder_rows, front_rows
+//     rows     those inside the cylinders, and the quads          cylinder_rows
 //     poles    one quad over each                                 quad_poles
 #include "quad_mesh.hpp"
 
@@ -50,15 +50,6 @@ hmf_status find_sizes(const QuadInput& in, const GraphPoints& points, const Arra
     return count > 0 ? sizes.of_count(step, count, call) : sizes.of_step(step, call);
 }
 
-// The quads of these sizes.
-hmf_status build(const QuadInput& in, GraphPoints& points, CylinderRows& rows, QuadMesh& out, Call& call) {
-    out.start(call.memory);
-    if (!points.place()) return call.out_of_memory();
-    for (uint32_t c = 0; c < in.cylinders.list.size(); ++c)
-        if (rows.fill(c)) return call.status();
-    return HMF_OK;
-}
-
 } // namespace
 
 hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, const FrontParts* front,
@@ -73,17 +64,18 @@ hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cyl
     if (!grid.allocate(in, call.memory) || !points.measure(length)) return call.out_of_memory();
     if (!call.tick(0)) return call.was_cancelled();
     if (find_sizes(in, points, length, wish, sizes, call)) return call.status();
-    grid.take(in, sizes, wish);
-    if (build(in, points, rows, out, call)) return call.status();
-    if (f.mesh.marked_count == 0 || wish.keep_poles) return HMF_OK;
-    size_t left = 0;
-    if (!quads_over_poles(out, left, call)) return call.stopped();
-    if (left == 0 || !wish.merge) return HMF_OK;
-    // Two poles too near to each other, or to a boundary.
-    if (sizes.widen_at_poles(call)) return call.status();
-    grid.take(in, sizes, wish);
-    if (build(in, points, rows, out, call)) return call.status();
-    return quads_over_poles(out, left, call) ? HMF_OK : call.stopped();
+    const bool has_poles = f.mesh.marked_count > 0 && !wish.keep_poles;
+    size_t left = 1; // poles that keep their vertex: two too near to each other, or to a boundary
+    for (int tries = 0; tries < (has_poles && wish.merge ? 2 : 1) && left > 0; ++tries) {
+        if (tries > 0 && sizes.widen_at_poles(call)) return call.status();
+        grid.take(in, sizes, wish);
+        out.start(call.memory);
+        if (!points.place()) return call.out_of_memory();
+        for (uint32_t c = 0; c < cylinders.list.size(); ++c)
+            if (rows.fill(c)) return call.status();
+        if (has_poles && !quads_over_poles(out, left, call)) return call.stopped();
+    }
+    return HMF_OK;
 }
 
 hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,

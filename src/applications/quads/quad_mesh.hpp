@@ -3,6 +3,7 @@
 
 #include "../../core/leaves/cylinders.hpp"
 #include "../lines/front_parts.hpp"
+#include "point.hpp"
 #include "quad_sizes.hpp"
 
 namespace hmf {
@@ -12,15 +13,7 @@ namespace hmf {
 // stay.
 constexpr uint8_t AT_TIP = 1, AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4, AT_SHARP_CORNER = 5, ON_WAY_TO_TIP = 6;
 inline bool is_at_boundary(uint8_t held) { return held == AT_BOUNDARY || held == AT_CORNER; }
-inline bool is_for_tip(uint8_t held) { return held == AT_TIP || held == ON_WAY_TO_TIP; }
 inline bool can_slide(uint8_t held) { return held == AT_BOUNDARY || held == ON_CREASE; }
-
-template <class T>
-Done copy_array(const Array<T>& from, Array<T>& to, Memory& memory) {
-    if (!to.allocate(memory, from.size())) return false;
-    for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
-    return true;
-}
 
 struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
@@ -35,16 +28,9 @@ struct QuadMesh {
         held.start(memory);
     }
     // side: a half-edge of the mesh, left of which p lies.
-    Done add_vertex(const double* p, uint32_t side, uint8_t is_held = 0) {
-        return positions.push(p[0]) && positions.push(p[1]) && positions.push(p[2]) && sides.push(side)
+    Done add_vertex(const Point& p, uint32_t side, uint8_t is_held = 0) {
+        return positions.push(p.x) && positions.push(p.y) && positions.push(p.z) && sides.push(side)
             && held.push(is_held);
-    }
-    // n more, to be put.
-    Done add_vertices(size_t n) {
-        const size_t first = held.size();
-        if (!positions.extend(3 * n) || !sides.extend(n) || !held.extend(n)) return false;
-        for (size_t i = first; i < held.size(); ++i) held[i] = 0;
-        return true;
     }
     Done add_quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
         return quads.push(a) && quads.push(b) && quads.push(c) && quads.push(d);
@@ -55,26 +41,12 @@ struct QuadMesh {
     }
     uint32_t vertex_count() const { return static_cast<uint32_t>(sides.size()); }
     size_t quad_count() const { return quads.size() / 4; }
-    void put(uint32_t v, const double* place, uint32_t side) {
-        for (size_t k = 0; k < 3; ++k) positions[size_t{3} * v + k] = place[k];
+    void put(uint32_t v, const Point& p, uint32_t side) {
+        double* const place = &positions[size_t{3} * v];
+        place[0] = p.x;
+        place[1] = p.y;
+        place[2] = p.z;
         sides[v] = side;
-    }
-};
-
-// Where the vertices of one lie, to go back to.
-struct QuadPlaces {
-    Array<double> positions;
-    Array<uint32_t> sides;
-    Array<uint8_t> held;
-
-    Done keep(const QuadMesh& quads, Memory& memory) {
-        return copy_array(quads.positions, positions, memory) && copy_array(quads.sides, sides, memory)
-            && copy_array(quads.held, held, memory);
-    }
-    void give_back(QuadMesh& quads) {
-        quads.positions.swap(positions);
-        quads.sides.swap(sides);
-        quads.held.swap(held);
     }
 };
 
@@ -89,6 +61,8 @@ struct QuadWish {
 // what lies in front; NULL: the surface is closed.
 [[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders,
                                     const FrontParts* front, const QuadWish& wish, QuadMesh& out, Call& call);
+
+inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.positions.data(), v); }
 
 // Areas of the surface, in space and in the flat metric (squared units of f).
 struct FlatMetric {

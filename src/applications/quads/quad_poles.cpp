@@ -87,10 +87,7 @@ private:
         mesh_.held[on_arc] = AT_TIP;
     }
 
-    void copy_vertex(uint32_t from, uint32_t to) {
-        for (size_t c = 0; c < 3; ++c) mesh_.positions[size_t{3} * to + c] = mesh_.positions[size_t{3} * from + c];
-        mesh_.sides[to] = mesh_.sides[from];
-    }
+    void copy_vertex(uint32_t from, uint32_t to) { mesh_.put(to, at(mesh_, from), mesh_.sides[from]); }
 
     // Vertices and quads that are left, numbered without gaps.
     void drop_unused() {

@@ -2,30 +2,12 @@
 #pragma once
 
 #include "../../core/leaves/leaf.hpp"
-
-#include <cmath>
+#include "point.hpp"
 
 namespace hmf {
 
-namespace quad_rulers {
-
-struct Vector {
-    double x, y, z;
-};
-inline Vector between(const double* a, const double* b) { return {b[0] - a[0], b[1] - a[1], b[2] - a[2]}; }
-inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline double cross_length(const Vector& a, const Vector& b) {
-    const double x = a.y * b.z - a.z * b.y, y = a.z * b.x - a.x * b.z, z = a.x * b.y - a.y * b.x;
-    return std::sqrt(x * x + y * y + z * z);
-}
-
 // An area that is nothing but rounding measures nothing, as a triangle without area.
 constexpr double FLATTEST = 1e-12; // twice the area in squared sides
-inline bool is_flat(const Vector& a, const Vector& b, double twice_area) {
-    return !(twice_area > FLATTEST * (dot(a, a) + dot(b, b)));
-}
-
-} // namespace quad_rulers
 
 class Conjugate {
 public:
@@ -40,19 +22,22 @@ public:
         const uint32_t r = left ? k : f_.mesh.next[k];
         const double t = 0.5 * static_cast<double>(left ? width(f_, k) - c.at : c.at);
         const double F = static_cast<double>(f_.at(r)), G = static_cast<double>(f_.at(f_.mesh.prev(r)));
-        using namespace quad_rulers;
-        const Vector a = between(at(f_.mesh.origin[r]), at(f_.mesh.target(r)));
-        const Vector b = between(at(f_.mesh.origin[r]), at(f_.mesh.origin[f_.mesh.prev(r)]));
-        const double area = cross_length(a, b);
-        const Vector d = {b.x / G - a.x / F, b.y / G - a.y / F, b.z / G - a.z / F};
-        return is_flat(a, b, area) ? 0 : t * dot(d, d) * F * G / area;
+        const Point o = at(f_.mesh.origin[r]), a = at(f_.mesh.target(r)) - o,
+                    b = at(f_.mesh.origin[f_.mesh.prev(r)]) - o;
+        const double area = twice_area(a, b);
+        return area > 0 ? t * square_of((1 / G) * b - (1 / F) * a) * F * G / area : 0;
     }
 
     // Growth of v along a half-edge on which u grows: the mean of both triangles.
     double along(uint32_t h) const { return (in_face(h) + in_face(twin(h))) / 2; }
 
 private:
-    const double* at(uint32_t v) const { return position_ + size_t{3} * v; }
+    Point at(uint32_t v) const { return point(position_, v); }
+
+    static double twice_area(const Point& a, const Point& b) {
+        const double area = length_of(cross(a, b));
+        return area > FLATTEST * (dot(a, a) + dot(b, b)) ? area : 0;
+    }
 
     // In the triangle left of h, where u is 0 at the origin, F at the target.
     double in_face(uint32_t h) const {
@@ -64,11 +49,9 @@ private:
         const double u = behind ? -static_cast<double>(f_.at(p))
                        : tripod ? 0.5 * static_cast<double>(branch(f_, h))
                                 : static_cast<double>(f_.at(p));
-        using namespace quad_rulers;
-        const Vector a = between(at(f_.mesh.origin[h]), at(f_.mesh.target(h)));
-        const Vector b = between(at(f_.mesh.origin[h]), at(f_.mesh.origin[p]));
-        const double area = cross_length(a, b);
-        return is_flat(a, b, area) ? 0 : (F * dot(a, b) - u * dot(a, a)) / area;
+        const Point o = at(f_.mesh.origin[h]), a = at(f_.mesh.target(h)) - o, b = at(f_.mesh.origin[p]) - o;
+        const double area = twice_area(a, b);
+        return area > 0 ? (F * dot(a, b) - u * dot(a, a)) / area : 0;
     }
 
     const Foliation& f_;
@@ -77,7 +60,8 @@ private:
 
 // A polyline with v along it, for points at given v.
 struct Ruler {
-    Array<double> v, points;
+    Array<double> v;
+    Array<Point> points;
     Array<uint32_t> sides; // left of which the line goes on
     void start(Memory& memory) {
         v.start(memory);
@@ -89,49 +73,24 @@ struct Ruler {
         points.clear();
         sides.clear();
     }
-    Done push(double value, const double* p, uint32_t side) {
-        return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]) && sides.push(side);
+    Done push(double value, const Point& p, uint32_t side) {
+        return v.push(value) && points.push(p) && sides.push(side);
     }
-    Done reserve(size_t n) { return v.reserve(n) && points.reserve(3 * n) && sides.reserve(n); }
-    // Where room for it has been reserved.
-    void add(double value, const double* p, uint32_t side) {
-        v.add(value);
-        for (size_t k = 0; k < 3; ++k) points.add(p[k]);
-        sides.add(side);
-    }
+    double length() const { return v.back(); }
     // Also the side of the triangle it lies in.
-    uint32_t point(double value, double* p) const {
-        size_t piece = 0;
-        return point(value, p, piece);
-    }
-    // The same; piece: in which it may lie, the one before on a walk along the line.
-    uint32_t point(double value, double* p, size_t& piece) const {
-        piece = find(value, piece);
-        const size_t low = piece, high = low + (v.size() > 1);
-        const double length = v[high] - v[low];
-        double t = length > 0 ? (value - v[low]) / length : 0;
-        t = t < 0 ? 0 : t > 1 ? 1 : t;
-        for (size_t k = 0; k < 3; ++k) p[k] = points[3 * low + k] + t * (points[3 * high + k] - points[3 * low + k]);
-        return sides[low];
-    }
-
-private:
-    // The last one that begins at a value or below, or the first.  v does not fall.
-    size_t find(double value, size_t near) const {
-        constexpr int most_steps = 8;
-        const size_t last = v.size() > 1 ? v.size() - 2 : 0;
-        for (int steps = 0; steps < most_steps; ++steps) {
-            if (near > 0 && !(v[near] <= value)) --near;
-            else if (near < last && v[near + 1] <= value) ++near;
-            else return near;
-        }
-        size_t low = 0, high = last + 1;
-        while (high - low > 1) {
+    uint32_t point(double value, Point& p) const {
+        size_t low = 0, high = v.size() > 1 ? v.size() - 1 : 1;
+        while (high - low > 1) { // the last one that begins at the value or below, or the first; v does not fall
             const size_t middle = low + (high - low) / 2;
             if (v[middle] <= value) low = middle;
             else high = middle;
         }
-        return low;
+        high = low + (v.size() > 1);
+        const double length = v[high] - v[low];
+        double t = length > 0 ? (value - v[low]) / length : 0;
+        t = t < 0 ? 0 : t > 1 ? 1 : t;
+        p = points[low] + t * (points[high] - points[low]);
+        return sides[low];
     }
 };
 

@@ -10,9 +10,7 @@ namespace hmf {
 Point normal_at(const Mesh& mesh, const double* position, uint32_t h) {
     const Point a = point(position, mesh.origin[h]), b = point(position, mesh.target(h)),
                 c = point(position, mesh.origin[mesh.prev(h)]);
-    const Point normal = cross(b - a, c - a);
-    const double doubled = std::sqrt(dot(normal, normal));
-    return doubled > 0 ? (1 / doubled) * normal : Point{};
+    return of_length_one(cross(b - a, c - a));
 }
 
 namespace {
@@ -43,11 +41,7 @@ double least_sine(const Point* p, const Point& n) {
 }
 
 // Of the diagonals, of length 1; 0 where they are parallel.
-Point normal_of(const Point* p) {
-    const Point n = cross(p[2] - p[0], p[3] - p[1]);
-    const double length = std::sqrt(dot(n, n));
-    return length > 0 ? (1 / length) * n : Point{};
-}
+Point normal_of(const Point* p) { return of_length_one(cross(p[2] - p[0], p[3] - p[1])); }
 
 } // namespace
 
@@ -63,7 +57,7 @@ double worst_corner_from_outside(const SurfaceSearch& surface, const QuadMesh& q
     for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
     const Point n = normal_of(p), diagonal = p[2] - p[0];
     if (!(dot(n, n) > 0)) return -1;
-    const double room = LEEWAY * std::sqrt(dot(diagonal, diagonal));
+    const double room = LEEWAY * length_of(diagonal);
     return surface.is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, room) ? -1 : least_sine(p, n);
 }
 

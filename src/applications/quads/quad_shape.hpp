@@ -7,22 +7,6 @@ namespace hmf {
 
 class SurfaceSearch; // surface_search.hpp
 
-struct Point {
-    double x = 0, y = 0, z = 0;
-};
-inline Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Point cross(const Point& a, const Point& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline Point point(const double* positions, uint32_t v) {
-    const double* const p = positions + size_t{3} * v;
-    return {p[0], p[1], p[2]};
-}
-inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.positions.data(), v); }
-
 // Normal of the triangle left of a half-edge, of length 1; 0 without area.
 Point normal_at(const Mesh& mesh, const double* position, uint32_t h);
 

@@ -57,9 +57,7 @@ hmf_status QuadSizes::start(const Cylinders& cylinders, const Array<double>& len
         || !wish_.allocate(memory, arcs) || !floor_.allocate(memory, arcs) || !soft_.allocate(memory, arcs)
         || !off_.allocate(memory, n) || !held_.allocate(memory, arcs) || !from_.allocate(memory, 2 * n)
         || !reached_.allocate(memory, 2 * n) || !root_.allocate(memory, zeros) || !order_.allocate(memory, zeros)
-        || !ends_.allocate(memory, arcs) || !prongs_.allocate_filled(memory, zeros, 0) || !met_.allocate(memory, zeros)
-        || !rows_needed_.allocate(memory, n) || !best_columns_.allocate(memory, arcs)
-        || !best_rows_.allocate(memory, n))
+        || !ends_.allocate(memory, arcs) || !prongs_.allocate_filled(memory, zeros, 0) || !met_.allocate(memory, zeros))
         return call.out_of_memory();
     for (size_t a = 0; a < arcs; ++a) length_[a] = (length[a] + length[graph().arcs[a].twin]) / 2;
     for (const Sector& s : graph().sectors) ++prongs_[s.zero];
@@ -305,18 +303,16 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
     if (graph().zeros.empty()) {
         ring = rounded(ring_length_ / step);
         ring = std::max(ring, LEAST_ROUND);
-        rows_needed_[0] = MOST_ROWS_NEEDED;
         rows[0] = std::max(rows[0], MOST_ROWS_NEEDED);
         return HMF_OK;
     }
     for (int64_t& o : off_) o = 0;
     for (uint32_t a = 0; a < columns.size(); ++a) {
         const bool poles = is_pole(graph().arcs[a].from) && is_pole(graph().arcs[a].to);
-        const bool pole = is_pole(graph().arcs[a].from) || is_pole(graph().arcs[a].to);
         const bool circle = zero(graph().arcs[a].from) == zero(graph().arcs[a].to);
         wish_[a] = length_[a] / step;
         columns[a] = rounded(wish_[a]);
-        floor_[a] = circle ? LEAST_ROUND : poles ? LEAST_OVER_POLES : wide_ && pole ? 2 : 0;
+        floor_[a] = circle ? LEAST_ROUND : poles ? LEAST_OVER_POLES : 0;
         soft_[a] = !merge_ && poles ? LEAST_ROUND : !merge_ ? 2 : wish_[a] < 0.5 ? 0 : 1;
         soft_[a] = std::max(soft_[a], floor_[a]);
         columns[a] = std::max(columns[a], soft_[a]);
@@ -328,16 +324,13 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
         if (!matched) return HMF_OK;
         if (mend(mended, call)) return call.status();
     }
-    for (uint32_t c = 0; c < rows.size(); ++c) {
-        rows_needed_[c] = find_rows_needed(c);
-        rows[c] = std::max(rows[c], rows_needed_[c]);
-    }
+    for (uint32_t c = 0; c < rows.size(); ++c) rows[c] = std::max(rows[c], rows_needed(c));
     return HMF_OK;
 }
 
 // With one row between the boundaries, which have no zero in common, all edges
 // across have other ends.
-int64_t QuadSizes::find_rows_needed(uint32_t c) {
+int64_t QuadSizes::rows_needed(uint32_t c) {
     if (!merge_) return MOST_ROWS_NEEDED;
     const Boundary &lower = graph().boundaries[cylinders_->list[c].lower],
                    &upper = graph().boundaries[cylinders_->list[c].upper];
@@ -359,27 +352,17 @@ hmf_status QuadSizes::of_step(double step, Call& call) {
     return HMF_OK;
 }
 
-void QuadSizes::keep() {
-    for (size_t a = 0; a < columns.size(); ++a) best_columns_[a] = columns[a];
-    for (size_t c = 0; c < rows.size(); ++c) best_rows_[c] = rows[c];
-}
-
-void QuadSizes::take_back() {
-    for (size_t a = 0; a < columns.size(); ++a) columns[a] = best_columns_[a];
-    for (size_t c = 0; c < rows.size(); ++c) rows[c] = best_rows_[c];
-    for (int64_t& o : off_) o = 0;
-}
-
 hmf_status QuadSizes::widen_at_poles(Call& call) {
-    wide_ = true;
-    keep();
+    Array<int64_t> narrow, few;
+    if (!copy_array(columns, narrow, call.memory) || !copy_array(rows, few, call.memory)) return call.out_of_memory();
     for (uint32_t a = 0; a < columns.size(); ++a)
         if ((is_pole(graph().arcs[a].from) || is_pole(graph().arcs[a].to)) && columns[a] > 0) raise(a, 2);
     for (int64_t& r : rows) r = std::max(r, MOST_ROWS_NEEDED);
     for (bool mended = true, matched = false; mended;) {
         if (balance(matched, call)) return call.status();
         if (!matched) { // poles keep their vertex then
-            take_back();
+            columns.swap(narrow);
+            rows.swap(few);
             break;
         }
         if (mend(mended, call)) return call.status();
@@ -417,34 +400,7 @@ hmf_status QuadSizes::of_count(double step, int64_t count, Call& call) {
         return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_OPTION, 0,
                          "The cylinders cannot be matched with so few quads. Choose a larger count.");
     bool matched = false;
-    if (round_all(best_step, matched, call)) return call.status(); // the best one again
-    tune_rows(best_step, count);
-    return HMF_OK;
-}
-
-// One row more or less in the cylinders where it changes shapes least, until the number fits.
-void QuadSizes::tune_rows(double step, int64_t count) {
-    const auto shape = [&](uint32_t c, int64_t n) { // ratio of the height of rows to the requested height
-        const double x = static_cast<double>(cylinders_->list[c].height) / (step * static_cast<double>(n));
-        return x > 1 ? x : 1 / x;
-    };
-    int64_t off = quad_count() - count;
-    for (size_t k = 0; k <= 64 * rows.size() && off != 0; ++k) {
-        const int64_t by = off > 0 ? -1 : 1;
-        uint32_t best = NONE;
-        double least = 1.25; // no more than this
-        for (uint32_t c = 0; c < rows.size(); ++c) {
-            const int64_t n = across(c), left = off + by * n;
-            if (rows[c] + by < rows_needed_[c] || (left < 0 ? -left : left) >= (off < 0 ? -off : off)) continue;
-            const double s = shape(c, rows[c] + by);
-            if (s >= least) continue;
-            least = s;
-            best = c;
-        }
-        if (best == NONE) break;
-        rows[best] += by;
-        off += by * across(best);
-    }
+    return round_all(best_step, matched, call); // the best one again
 }
 
 } // namespace hmf

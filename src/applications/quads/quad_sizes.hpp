@@ -9,6 +9,13 @@ namespace hmf {
 
 constexpr uint64_t MOST_QUADS = uint64_t{1} << 28;
 
+template <class T>
+Done copy_array(const Array<T>& from, Array<T>& to, Memory& memory) {
+    if (!to.allocate(memory, from.size())) return false;
+    for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
+    return true;
+}
+
 class QuadSizes {
 public:
     Array<int64_t> columns; // per side of an arc, both sides the same; 0: its ends become one
@@ -33,7 +40,7 @@ public:
     int64_t across(uint32_t cylinder) const;
 
 private:
-    int64_t find_rows_needed(uint32_t cylinder);
+    int64_t rows_needed(uint32_t cylinder);
     struct Step {
         uint32_t state, arc;
     };
@@ -60,13 +67,10 @@ private:
     void change(uint32_t a, int64_t by);
     bool raise(uint32_t a, int64_t to);
     [[nodiscard]] hmf_status mend(bool& mended, Call& call);
-    void tune_rows(double step, int64_t count);
     double deviation(uint32_t a, int64_t n) const;
-    void keep();
-    void take_back();
 
     const Cylinders* cylinders_ = nullptr;
-    bool merge_ = false, wide_ = false;
+    bool merge_ = false;
     double ring_length_ = 0;
     Array<double> length_, wish_;   // per side of an arc
     Array<int64_t> floor_, soft_;   // fewest columns: always, and where there is another way
@@ -79,7 +83,6 @@ private:
     Array<double> reached_;
     Array<Ends> ends_;
     NearestFirst queue_;
-    Array<int64_t> best_columns_, best_rows_, rows_needed_;
 };
 
 } // namespace hmf

@@ -4,25 +4,20 @@
 //        /   \             / | \          quads around it
 //      o-------o    ->    o  |  o      the corner of its nearest quad goes there whose
 //     /         \        /   |   \        quads stay best
-//
-// If the distance is too large, it moves part of it along the edges; by the next call the quads have followed.
-#include "reach_tips.hpp"
-
 #include "../../core/base/heap_sort.hpp"
+#include "fit_quads.hpp"
 #include "nearest_quads.hpp"
-#include "quad_shape.hpp"
-#include "sharp_edges.hpp"
+#include "surface_lines.hpp"
+#include "surface_walk.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace hmf {
 
 namespace {
 
-constexpr double FAR = 0.5;           // in mean sides of the quads: what is cut off less stays so
-constexpr double LEAST_CORNER = 0.45; // sine, of the quads around a vertex that moves
-constexpr double LONGEST = 2;         // side of these, in the longest before
+constexpr double FAR = 0.5;   // in mean sides of the quads: what is cut off less stays so
+constexpr double LONGEST = 2; // side of these, in the longest before
 
 struct FarVertex {
     uint32_t vertex, quad; // of the surface, and the quad nearest to it
@@ -31,36 +26,33 @@ struct FarVertex {
 
 class TipReach {
 public:
-    TipReach(const Mesh& mesh, const double* position, const SurfaceSearch& surface, const Reflection* front,
-             QuadMesh& quads, Call& call) :
-        mesh_(mesh),
-        position_(position), surface_(surface), front_(front), quads_(quads), call_(call) {}
+    TipReach(const Mesh& mesh, const double* position, const SurfaceSearch& surface, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), surface_(surface), quads_(quads), call_(call) {}
 
     hmf_status run(size_t& moved) {
         moved = 0;
         tips_.start(call_.memory);
-        if (!stars_.build(quads_, call_.memory) || !near_.build(mesh_, position_, front_, quads_, stars_, call_)
-            || !find_tips())
+        if (!stars_.build(quads_, call_.memory) || !near_.build(quads_, call_.memory) || !find_tips())
             return call_.stopped();
         return reach(moved) ? HMF_OK : call_.stopped();
     }
 
 private:
-    // The farthest of the vertices that belong to each vertex of the quads, if it is far.
+    // Of the vertices nearest to each quad the farthest, if it is far.
     Done find_tips() {
         double sides = 0;
         for (size_t i = 0; i < quads_.quads.size(); ++i)
-            sides += length(at(quads_, quads_.quads[i]) - at(quads_, quads_.quads[i / 4 * 4 + (i + 1) % 4]));
+            sides += length_of(at(quads_, quads_.quads[i]) - at(quads_, quads_.quads[i / 4 * 4 + (i + 1) % 4]));
         least_ = FAR * sides / static_cast<double>(quads_.quads.size());
         Array<FarVertex> farthest;
-        if (!farthest.allocate_filled(call_.memory, quads_.vertex_count(), FarVertex{NONE, NONE, least_ * least_}))
-            return false;
+        if (!farthest.allocate_filled(call_.memory, quads_.quad_count(), FarVertex{NONE, NONE, 0})) return false;
         for (uint32_t x = 0; x < mesh_.vertex_count; ++x) {
-            if (x % 4096 == 0 && !call_.tick(0)) return false;
-            const uint32_t owner = near_.owner(x);
-            if (owner == NONE) continue;
-            const NearestQuads::Place place = near_.find(x, farthest[owner].distance);
-            if (place.quad != NONE) farthest[owner] = {x, place.quad, place.square};
+            if (x % 1024 == 0 && !call_.tick(0)) return false;
+            if (side_at(mesh_, x) == NONE) continue;
+            const double least = is_sharp_corner(mesh_, position_, x) ? 0 : least_ * least_;
+            const NearestQuads::Place place = near_.find(point(position_, x), least);
+            if (place.square > std::max(least, farthest[place.quad].distance))
+                farthest[place.quad] = {x, place.quad, place.square};
         }
         for (const FarVertex& tip : farthest)
             if (tip.quad != NONE && !tips_.push(tip)) return false;
@@ -75,19 +67,16 @@ private:
         Array<uint8_t> near;
         if (!near.allocate_filled(call_.memory, quads_.vertex_count(), uint8_t{0})) return false;
         for (const FarVertex& tip : tips_) {
-            if (!call_.tick(0)) return false;
-            // The tip itself, or as far on the way to it as quads stay good.
-            uint32_t best = NONE, to = tip.vertex;
-            for (; to != NONE && !(is_near(tip.quad, to)); to = near_.before(to)) {
-                if (!call_.work(256, 0, false)) return false;
-                best = mover(tip.quad, to, near);
-                if (best != NONE) break;
-            }
+            if (!call_.work(256, 0)) return false;
+            Place to;
+            uint32_t best = mover(tip, false, near, to);
+            const bool there = best != NONE;
+            if (!there) best = mover(tip, true, near, to);
             if (best == NONE) continue;
-            quads_.put(best, position_ + size_t{3} * to, side_at(to));
-            quads_.held[best] = to != tip.vertex                      ? ON_WAY_TO_TIP
-                              : is_sharp_corner(mesh_, position_, to) ? AT_SHARP_CORNER
-                                                                      : AT_TIP;
+            quads_.put(best, to.p, to.side);
+            quads_.held[best] = !there                                        ? ON_WAY_TO_TIP
+                              : is_sharp_corner(mesh_, position_, tip.vertex) ? AT_SHARP_CORNER
+                                                                              : AT_TIP;
             ++moved;
             for (const uint32_t* q = stars_.begin(best); q != stars_.end(best); ++q)
                 for (size_t k = 0; k < 4; ++k) near[quads_.quads[4 * size_t{*q} + k]] = 1;
@@ -95,35 +84,40 @@ private:
         return true;
     }
 
-    // A corner of the quad is too close to be worth a move.
-    bool is_near(uint32_t q, uint32_t x) const {
-        for (size_t k = 0; k < 4; ++k)
-            if (length(at(quads_, quads_.quads[4 * size_t{q} + k]) - point(position_, x)) < least_) return true;
-        return false;
-    }
+    struct Place {
+        Point p;
+        uint32_t side;
+    };
 
-    // The corner of a quad that best goes to the vertex x of the surface; NONE: none can.
-    uint32_t mover(uint32_t q, uint32_t x, const Array<uint8_t>& near) {
+    // The corner of the quad that best goes to the tip, or half of the way; NONE: none can.
+    uint32_t mover(const FarVertex& tip, bool half, const Array<uint8_t>& near, Place& to) {
+        const Point p = point(position_, tip.vertex);
         uint32_t best = NONE;
-        double best_corner = LEAST_CORNER;
+        double best_corner = LEAST_TAKEN;
         for (size_t k = 0; k < 4; ++k) {
-            const uint32_t v = quads_.quads[4 * size_t{q} + k];
+            const uint32_t v = quads_.quads[4 * size_t{tip.quad} + k];
             const uint8_t held = quads_.held[v];
             if ((held && held != ON_CREASE && held != ON_WAY_TO_TIP) || near[v]) continue;
-            const double worst = worst_after(v, x);
+            Place place;
+            place.side = walk_to_nearest(mesh_, position_, quads_.sides[v], p, place.p);
+            if (square_of(place.p - p) > 0) continue; // it is on another part of the surface nearby
+            if (half)
+                place.side = walk_to_nearest(mesh_, position_, quads_.sides[v], 0.5 * (at(quads_, v) + p), place.p);
+            const double worst = worst_after(v, place);
             if (!(worst > best_corner)) continue;
             best_corner = worst;
             best = v;
+            to = place;
         }
         return best;
     }
 
-    // The worst corner if v went to the vertex x of the surface; 0 if a side got far too long.
-    double worst_after(uint32_t v, uint32_t x) {
-        const double back[3] = {at(quads_, v).x, at(quads_, v).y, at(quads_, v).z};
+    // The worst corner if v went there; 0 if a side got far too long.
+    double worst_after(uint32_t v, const Place& to) {
+        const Point back = at(quads_, v);
         const uint32_t side = quads_.sides[v];
         const double most = LONGEST * longest_side(v);
-        quads_.put(v, position_ + size_t{3} * x, side_at(x));
+        quads_.put(v, to.p, to.side);
         const double worst = longest_side(v) > most ? 0 : stars_.worst_corner(surface_, quads_, v);
         quads_.put(v, back, side);
         return worst;
@@ -135,23 +129,14 @@ private:
         for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
             for (size_t k = 0; k < 4; ++k) {
                 const uint32_t* const corner = &quads_.quads[4 * size_t{*q}];
-                longest = std::max(longest, length(at(quads_, corner[k]) - at(quads_, corner[(k + 1) % 4])));
+                longest = std::max(longest, length_of(at(quads_, corner[k]) - at(quads_, corner[(k + 1) % 4])));
             }
         return longest;
     }
 
-    uint32_t side_at(uint32_t x) const {
-        for (const uint32_t h : mesh_.around(x))
-            if (!front_ || front_->is_front[h]) return h;
-        return mesh_.out[x];
-    }
-
-    static double length(const Point& a) { return std::sqrt(dot(a, a)); }
-
     const Mesh& mesh_;
     const double* position_;
     const SurfaceSearch& surface_;
-    const Reflection* front_;
     QuadMesh& quads_;
     Call& call_;
     QuadStars stars_;
@@ -162,9 +147,9 @@ private:
 
 } // namespace
 
-hmf_status reach_tips(const Mesh& mesh, const double* position, const SurfaceSearch& surface, const Reflection* front,
-                      QuadMesh& quads, size_t& moved, Call& call) {
-    return TipReach(mesh, position, surface, front, quads, call).run(moved);
+hmf_status reach_tips(const Mesh& mesh, const double* position, const SurfaceSearch& surface, QuadMesh& quads,
+                      size_t& moved, Call& call) {
+    return TipReach(mesh, position, surface, quads, call).run(moved);
 }
 
 } // namespace hmf

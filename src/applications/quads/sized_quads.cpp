@@ -11,12 +11,10 @@ namespace hmf {
 
 namespace {
 
-constexpr double FEWEST_TO_REFINE = 8000; // quads
-constexpr int MOST_HALVINGS = 12;         // of the edges
-constexpr double MOST_INVERTED = 0.05;    // of the quads
-constexpr size_t FEW = 100;               // quads, which are larger than what they should follow as a rule
-constexpr double LEAST_AREA = 0.75;       // of the quads in that of the surface, or the other way around
-constexpr int MOST_DOUBLINGS = 3;         // of the number of quads, where they are refused
+constexpr double MOST_INVERTED = 0.05; // of the quads
+constexpr size_t FEW = 100;            // quads, which are larger than what they should follow as a rule
+constexpr double LEAST_AREA = 0.75;    // of the quads in that of the surface, or the other way around
+constexpr int MOST_DOUBLINGS = 3;      // of the number of quads, where they are refused
 
 // How many quads the wish makes of that area.
 hmf_status wished_number(const SizedQuads& wish, double area, double by_default, double& number, Call& call) {
@@ -29,10 +27,8 @@ hmf_status wished_number(const SizedQuads& wish, double area, double by_default,
                      number, static_cast<double>(MOST_QUADS));
 }
 
-// The given number, then each quad is divided into four the given number of times.
-hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
-                        const FlatMetric& metric, const FrontSurface* front, double number, int halvings, QuadMesh& out,
-                        uint64_t& inverted, Call& call) {
+hmf_status make_number(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
+                       const FlatMetric& metric, const FrontSurface* front, double number, QuadMesh& out, Call& call) {
     QuadWish first;
     first.step = std::sqrt(metric.flat_area * wish.share / number);
     first.count = wish.count > 0 ? static_cast<int64_t>(std::floor(number + 0.5)) : 0;
@@ -43,8 +39,7 @@ hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& c
     if (make_quads(f, position, cylinders, wish.front, first, out, call)) return call.status();
     if (front) front->bring_forward(position, out);
     if (!(wish.relax > 0)) return HMF_OK;
-    return fit_quads(front ? front->mesh() : f.mesh, position, front ? wish.reflection : nullptr, wish.relax, halvings,
-                     out, inverted, call);
+    return fit_quads(front ? front->mesh() : f.mesh, position, wish.relax, out, call);
 }
 
 // 1 at the limits.  Features smaller than a quad are followed by smaller ones; what is bad for another reason stays so.
@@ -67,33 +62,6 @@ hmf_status refuse(const QuadFigures& figures, double area, size_t count, Call& c
                      figures.area / area);
 }
 
-// Quads smaller than the triangles would show how these bend the leaves: they are made of larger ones.  Quads that are
-// inverted stay so when they are cut: then there are more and smaller ones to begin with.
-hmf_status make_number(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
-                       const FlatMetric& metric, const FrontSurface* front, double by_default, double number,
-                       QuadMesh& out, Call& call) {
-    int halvings = 0;
-    const bool refines = wish.relax > 0 && !wish.front;
-    double fewer = number;
-    for (; refines && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < MOST_HALVINGS; ++halvings)
-        fewer /= 4;
-    uint64_t inverted = 0;
-    if (make_and_fit(f, position, cylinders, wish, metric, front, fewer, halvings, out, inverted, call))
-        return call.status();
-    for (; halvings > 0 && inverted > 0; fewer *= 4) {
-        QuadMesh other;
-        uint64_t left = 0;
-        --halvings;
-        other.start(call.memory);
-        if (make_and_fit(f, position, cylinders, wish, metric, front, 4 * fewer, halvings, other, left, call))
-            return call.status();
-        if (left >= inverted) continue;
-        inverted = left;
-        std::swap(out, other);
-    }
-    return HMF_OK;
-}
-
 } // namespace
 
 hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
@@ -108,11 +76,10 @@ hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinder
     double number = 0;
     if (wished_number(wish, area, by_default, number, call)) return call.status();
     const Mesh& mesh = front ? surface.mesh() : f.mesh;
-    const Reflection* const reflection = front ? wish.reflection : nullptr;
     double before = HUGE_VAL; // how bad the last quads were
     for (int doublings = 0;; ++doublings, number *= 2) {
-        if (make_number(f, position, cylinders, wish, metric, front, by_default, number, out, call)
-            || quad_figures(mesh, position, reflection, out, figures, call))
+        if (make_number(f, position, cylinders, wish, metric, front, number, out, call)
+            || quad_figures(mesh, position, out, figures, call))
             return call.status();
         if (!(wish.relax > 0) || is_fit(figures, area, out.quad_count())) return HMF_OK;
         const double bad = badness(figures, area, out.quad_count());

@@ -1,17 +1,6 @@
 #include "surface_normals.hpp"
 
-#include <cmath>
-
 namespace hmf {
-
-namespace {
-
-Point unit_vector(const Point& a) {
-    const double length = std::sqrt(dot(a, a));
-    return length > 0 ? (1 / length) * a : Point{};
-}
-
-} // namespace
 
 Done SurfaceNormals::build(const Mesh& mesh, const double* position, Memory& memory) {
     mesh_ = mesh;
@@ -28,7 +17,7 @@ Done SurfaceNormals::build(const Mesh& mesh, const double* position, Memory& mem
         Point& sum = of_vertex_[mesh.origin[h]];
         if (size > 0) sum = sum + (1 / (whole > size ? whole : size)) * n;
     }
-    for (Point& n : of_vertex_) n = unit_vector(n);
+    for (Point& n : of_vertex_) n = of_length_one(n);
     return true;
 }
 

@@ -1,11 +1,7 @@
-// The triangles of a surface near any point in space: a tree of boxes over the triangles in their order, which is
-// a spatial one.
-//
-//     1                 node i has the children 2i and 2i + 1; each of the last ones has a few triangles
-//     2       3
-//     4   5   6   7
+// Which triangles of a surface lie near any point in space.
 #pragma once
 
+#include "box_tree.hpp"
 #include "quad_shape.hpp"
 
 namespace hmf {
@@ -21,16 +17,10 @@ public:
     bool is_behind(const Point& p, const Point& n, double room) const;
 
 private:
-    struct Box {
-        double low[3], high[3];
-    };
-    double square_distance(size_t node, const Point& p) const;
-
     Mesh mesh_;
     const double* position_ = nullptr;
     Array<uint32_t> sides_; // one half-edge of each triangle
-    Array<Box> boxes_;
-    size_t leaves_ = 1;
+    BoxTree tree_;
 };
 
 } // namespace hmf
