@@ -321,10 +321,54 @@ void FlatPolygons::clear() {
     least_height_ = HUGE_VAL;
 }
 
+// The angles around a vertex, added: half turns, and a direction in the half plane where they end.
+struct AngleSum {
+    double x = 1, y = 0;
+    int32_t half_turns = 0;
+
+    // An angle between 0 and 180 degrees, by multiples of its cosine and sine.
+    void add(double cosine, double sine) {
+        const double size = std::sqrt(cosine * cosine + sine * sine), c = cosine / size, s = sine / size;
+        const double next_y = x * s + y * c;
+        x = x * c - y * s;
+        half_turns += (y >= 0) != (next_y >= 0);
+        y = next_y;
+    }
+    // Up to rounding, which is far below 90 degrees.
+    bool is_near(const AngleSum& other) const {
+        const int32_t turned = half_turns - other.half_turns;
+        return x * other.x + y * other.y > 0 && turned <= 1 && turned >= -1;
+    }
+};
+
+Done add_angles(const Mesh& mesh, const Metric& metric, Array<AngleSum>& sums, Call& call) {
+    if (!sums.allocate_filled(call.memory, mesh.vertex_count, AngleSum())) return false;
+    const bool fine = !metric.square.empty();
+    const auto square = [&](uint32_t h) {
+        const double length = metric.length[edge_of(h)];
+        return fine ? metric.square[edge_of(h)] : TwoDoubles::of_product(length, length);
+    };
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        if (h % 65536 == 0 && !call.tick(0)) return false;
+        const uint32_t face = mesh.face[h];
+        sums[mesh.origin[h]].add((square(h) + square(mesh.prev(h)) - square(mesh.next[h])).high,
+                                 fine ? metric.fine_area[face].high : metric.four_areas[face]);
+    }
+    return true;
+}
+
 } // namespace
 
 hmf_status triangulate_polygons(Mesh& mesh, Metric& metric, double* sum, FlipLog& flips, Call& call, double fraction) {
-    return FlatPolygons(mesh, metric, sum, flips, call).run(fraction) ? HMF_OK : call.stopped();
+    Array<AngleSum> before, after;
+    if (!add_angles(mesh, metric, before, call) || !FlatPolygons(mesh, metric, sum, flips, call).run(fraction)
+        || !add_angles(mesh, metric, after, call))
+        return call.stopped();
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+        if (!after[v].is_near(before[v]))
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                             "Flips have changed the angles around vertices. Please report it.");
+    return HMF_OK;
 }
 
 } // namespace hmf

@@ -17,6 +17,7 @@ namespace hmf {
 
 // Around each edge that needs a flip, polygons are grown from triangles and get their Delaunay triangulation.  mesh,
 // metric and sum follow; the flipped edges are appended to flips, at most 2 for each edge of the mesh.
+// Checked at the end, by the angles alone: around each vertex they add up to what they did.
 [[nodiscard]] hmf_status triangulate_polygons(Mesh& mesh, Metric& metric, double* sum, FlipLog& flips, Call& call,
                                               double fraction);
 

@@ -153,6 +153,33 @@ TEST(FlatPolygons, AnglesAroundVerticesStay) {
     EXPECT_GT(with_polygons, 2u);
 }
 
+// Stretched walls between fans, where polygons would grow along chains of needles. Without a bound of the errors of
+// their corners an edge stays that is not Delaunay.
+TEST(FlatPolygons, ErrorsOfCornersAreBounded) {
+    for (const uint64_t seed : {141, 217}) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        const uint64_t heights = random.bits();
+        const Strips strips = random.below(2) ? Strips::fans : Strips::ladder;
+        const size_t n = 10 + random.below(200);
+        TriMesh surface = walled_ring(n, strips, heights);
+        const double stretch = std::pow(10, 8 * random.unit());
+        surface = transformed(transformed(surface, random_rotation(random)), {stretch, 0, 0, 0, 1, 0, 0, 0, 1});
+        if (random.below(2)) {
+            const Matrix turn = random_rotation(random);
+            const double more = std::pow(10, 4 * random.unit());
+            surface = transformed(transformed(surface, turn), {more, 0, 0, 0, 1, 0, 0, 0, 1});
+        }
+        hmf_hierarchy* made = nullptr;
+        hmf_error error{};
+        EXPECT_EQ(hmf_hierarchy_create(surface.positions.data(), surface.vertex_count(), surface.triangles.data(),
+                                       surface.triangle_count(), nullptr, nullptr, &made, &error),
+                  HMF_OK)
+            << error.message;
+        hmf_hierarchy_destroy(made);
+    }
+}
+
 // The certificate of the flips fails where a length, an area or a sum of cotangents is not that of the surface.
 TEST(FlatPolygons, EveryFlipIsChecked) {
     for (const size_t n : {50, 500}) {
