@@ -303,7 +303,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
                                      p.mesh.triangle_count(), nullptr, nullptr, out, error);
         });
         if (!suggested) return 0;
-        p.marks.assign(suggested->vertices, suggested->vertices + suggested->count);
+        p.marks.assign(suggested->marked_vertices, suggested->marked_vertices + suggested->marked_count);
     }
     build.marked_vertices = p.marks.data();
     build.marked_count = p.marks.size();
