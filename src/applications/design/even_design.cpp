@@ -114,7 +114,7 @@ hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint
         if (!carrier.read(0, loops.count(), loops, call)
             || !view.make(carrier.mesh(), h.levels[k].position, marks, call.memory))
             return call.out_of_memory();
-        if (shorten_loops(view.mesh(), view.position(), 0, 1, 1, call, loops)) return call.status();
+        if (shorten_loops(view.mesh(), view.position(), call, loops)) return call.status();
         if (k > 0 && !carrier.replace(loops)) return call.out_of_memory();
     }
     if (!view.make(h.input, h.levels[0].position, marks, call.memory)) return call.out_of_memory();

@@ -5,8 +5,7 @@
 
 namespace hmf {
 
-DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguous) :
-    mesh_(mesh), position_(position), ambiguous_(ambiguous) {
+DualLength::DualLength(const Mesh& mesh, const double* position) : mesh_(mesh), position_(position) {
     for (size_t i = 0; i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         largest_ = std::max(largest_, x);
@@ -16,8 +15,7 @@ DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguou
 
 double DualLength::operator()(uint32_t edge) const {
     // To 24 bits: what is equal by symmetry stays equal in another unit.
-    const double sum = static_cast<double>(static_cast<float>(from_middle(2 * edge) + from_middle(2 * edge + 1)));
-    return ambiguous_ != 1 && is_ambiguous(edge) ? ambiguous_ * sum : sum;
+    return static_cast<double>(static_cast<float>(from_middle(2 * edge) + from_middle(2 * edge + 1)));
 }
 
 // From the middle of its edge to the center of its triangle: the mean of the middles of the sides, each as often as it
@@ -39,12 +37,6 @@ double DualLength::from_middle(uint32_t half_edge) const {
         total += length;
     }
     return total > 0 ? std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) / total : 0;
-}
-
-bool DualLength::is_ambiguous(uint32_t edge) const {
-    const uint32_t h = 2 * edge, g = mesh_.face[h + 1];
-    const auto borders = [&](uint32_t k) { return k != h && k != h + 1 && mesh_.face[twin(k)] == g; };
-    return mesh_.face[h] == g || borders(mesh_.next[h]) || borders(mesh_.prev(h));
 }
 
 } // namespace hmf

@@ -12,20 +12,18 @@ namespace hmf {
 
 class DualLength {
 public:
-    // position: 3 per vertex.  ambiguous: factor for edges whose two faces share
-    // another edge; a loop of triangles does not determine which of them it crosses.
-    DualLength(const Mesh& mesh, const double* position, double ambiguous = 1);
+    // position: 3 per vertex.
+    DualLength(const Mesh& mesh, const double* position);
 
     // In units of the largest coordinate.
     double operator()(uint32_t edge) const;
-    bool is_ambiguous(uint32_t edge) const;
 
 private:
     double from_middle(uint32_t half_edge) const;
 
     const Mesh& mesh_;
     const double* position_;
-    double largest_ = 0, ambiguous_;
+    double largest_ = 0;
 };
 
 } // namespace hmf

@@ -47,10 +47,7 @@ enum class RootReach : uint8_t { near, far };
 [[nodiscard]] hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
                                     Loops& out);
 
-// Shortens simple disjoint loops within their classes, but those before
-// `first`; they stay disjoint, in their order and with their directions.
-// The search reaches `width` times as far as usual.  ambiguous: see dual_length.hpp.
-[[nodiscard]] hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width,
-                                       double ambiguous, Call& call, Loops& loops);
+// Shortens simple disjoint loops within their classes; they stay disjoint, in their order and with their directions.
+[[nodiscard]] hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops);
 
 } // namespace hmf

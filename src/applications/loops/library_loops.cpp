@@ -5,7 +5,6 @@
 #include "../../core/base/cyclic.hpp"
 #include "carry_loops.hpp"
 #include "class_lengths.hpp"
-#include "dual_length.hpp"
 #include "handle_system.hpp"
 
 #include <algorithm>
@@ -60,7 +59,7 @@ hmf_status carry_to_finer(const hmf_hierarchy& h, size_t from, size_t level, Cal
     if (!carrier.load(h, from, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
         if (!carrier.refine(call) || !carrier.read(0, out.count(), out, call)) return call.stopped();
-        const hmf_status status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
+        const hmf_status status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, call, out);
         if (status) return status;
         if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();
     }
@@ -69,18 +68,8 @@ hmf_status carry_to_finer(const hmf_hierarchy& h, size_t from, size_t level, Cal
 
 hmf_status name_by_triangles(const hmf_hierarchy& h, size_t level, Call& call, Loops& loops, Array<uint32_t>& faces) {
     const Mesh& mesh = loop_mesh(h, level);
-    const double* position = h.levels[level].position;
-    const DualLength length(mesh, position);
-    bool ambiguous = false;
-    for (const uint32_t crossing : loops.crossings) ambiguous = ambiguous || length.is_ambiguous(edge_of(crossing));
-    if (ambiguous) {
-        hmf_status status = shorten_loops(mesh, position, 0, 1, 8, call, loops);
-        if (!status) status = pull_tight(mesh, call, loops);
-        if (status) return status;
-    }
     if (!faces.allocate(call.memory, loops.crossings.size())) return call.out_of_memory();
     for (size_t i = 0; i < faces.size(); ++i) faces[i] = mesh.face[loops.crossings[i]];
-    if (!ambiguous) return HMF_OK;
     Loops again;
     const hmf_status status =
         read_loops(mesh, HMF_PATH_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);

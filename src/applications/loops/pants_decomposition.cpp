@@ -8,7 +8,6 @@
 //        |  \A_/ way\B_/  |         as A + B + 2 way; the pair where that is
 //         \______________/          least are candidates, and the shortest
 //                                   class of these is taken (class_lengths.hpp).
-//                                   Then the loop is shortened.
 //
 // hole_joins.hpp finds these. Other candidates are short cycles with two holes or more on both sides, from the trees of
 // shortest paths from regions (signatures.hpp, loop_search.hpp).
@@ -93,7 +92,7 @@ public:
             const hmf_status status = shorten_by_moves(mesh_, position_, lengths_, call_, loops_);
             if (status) return status;
         }
-        return shorten_loops(mesh_, position_, 0, 1, 1, call_, loops_);
+        return shorten_loops(mesh_, position_, call_, loops_);
     }
 
 private:
@@ -124,10 +123,8 @@ private:
             any = loops_.count() < std::min(wanted_, first_loop + batch);
             if (any && !choose_beside(all, first_loop, any)) return call_.stopped();
         }
-        return shorten_new(first_loop);
+        return lengths_.has_pulled() ? HMF_OK : shorten_loops(mesh_, position_, call_, loops_);
     }
-
-    hmf_status shorten_new(size_t first) { return shorten_loops(mesh_, position_, first, 2, 1, call_, loops_); }
 
     // From the first choice on that was wrong.
     hmf_status choose_again() {
@@ -144,7 +141,7 @@ private:
             }
             loops_.keep_first(given_ + k);
             for (double& bound : face_bound_) bound = 0;
-            return take_last() ? shorten_new(given_ + k) : call_.stopped();
+            return take_last() ? HMF_OK : call_.stopped();
         }
         return HMF_OK;
     }
