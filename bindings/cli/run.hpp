@@ -27,8 +27,8 @@ class Run {
 public:
     Run(SolveRequest& request, const Options& options);
     Outcome go();
-    // After a run with even loops: why quads of cut loops are better, or empty.
-    std::string why_cut_loops() const;
+    // After a run: whether even loops carry no good quads of the wished size, so that cut loops are worth a try.
+    bool wants_cut_loops() const;
 
 private:
     // Input.

@@ -102,11 +102,8 @@ void Run::make_quad_meshes() {
     if (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count)) count_fewest();
 }
 
-std::string Run::why_cut_loops() const {
-    if (kind_ != LOOPS_EVEN || !is_alone() || was_interrupted()) return {};
-    if (quad_meshes_.empty() && !r_.quads.empty()) return name_ + ": even loops carry no good quads of this size";
-    if (!(components_[0].unevenness() > components_[0].design()->unevenness_before)) return {};
-    return name_ + ": quads of even loops would be less even";
+bool Run::wants_cut_loops() const {
+    return kind_ == LOOPS_EVEN && is_alone() && !was_interrupted() && quad_meshes_.empty() && !r_.quads.empty();
 }
 
 // Each critical leaf and each cylinder needs its columns and rows.

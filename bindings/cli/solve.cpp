@@ -53,13 +53,12 @@ Outcome quads(const std::vector<std::string>& words) {
     const SolveRequest wished = request;
     Run run(request, options);
     Outcome outcome = run.go();
-    const std::string reason = run.why_cut_loops();
-    if (reason.empty()) return outcome;
+    if (!run.wants_cut_loops()) return outcome;
     request = wished;
     request.loops = "cut";
     try {
         Outcome other = Run(request, options).go();
-        other.notes.push_back(reason + "; these are of --loops cut");
+        other.notes.push_back("even loops carry no good quads of this size; these are of --loops cut");
         return other;
     } catch (const Failure&) { return outcome; }
 }

@@ -5,7 +5,6 @@
 //     x--x-----x--x      on the edge: they slide along it until they are even
 //     |   |   |   |
 //     o---o---o---o      on the side, held
-#include "src/applications/quads/boundary_places.hpp"
 #include "src/applications/quads/corner_energy.hpp"
 #include "src/applications/quads/fit_quads.hpp"
 #include "src/applications/quads/optimize_quads.hpp"

@@ -16,6 +16,14 @@ import tool_case  # noqa: E402
 from tool_case import Case, main, obj_text, pixels_of, torus, triangles_of  # noqa: E402
 
 
+def star_of(arms, inner):
+    """A flat star: its points and triangles."""
+    n = 2 * arms
+    radius = [1 if k % 2 == 0 else inner for k in range(n)]
+    points = [(radius[k] * math.cos(math.pi * k / arms), radius[k] * math.sin(math.pi * k / arms), 0) for k in range(n)]
+    return points, [(k, (k + 1) % n, (k + 2) % n) for k in range(1, n, 2)] + [(1, k, k + 2) for k in range(3, n - 1, 2)]
+
+
 class Outputs(Case):
     def test_outputs(self):
         out = {name: self.path(name) for name in ("v.csv", "r.json", "h.csv", "i.png", "v.npy")}
@@ -291,8 +299,7 @@ class Outputs(Case):
 
     def test_quads_of_a_star(self):
         """No quad of a flat star looks down, and an area that is not the star's is said."""
-        points = [((1 if k % 2 == 0 else .5) * math.cos(math.pi * k / 8), (1 if k % 2 == 0 else .5) * math.sin(math.pi * k / 8), 0) for k in range(16)]
-        triangles = [(k, (k + 1) % 16, (k + 2) % 16) for k in range(1, 16, 2)] + [(1, k, k + 2) for k in range(3, 15, 2)]
+        points, triangles = star_of(8, .5)
         star = self.write("star.obj", obj_text(points, triangles))
         area = sum(points[k - 1][0] * points[k][1] - points[k - 1][1] * points[k][0] for k in range(16)) / 2
         for refine in ("0", "600"):
@@ -305,6 +312,14 @@ class Outputs(Case):
                 self.assertGreater(signed, 0)
                 covered += signed
             self.assertEqual("times the area of the surface" in said, not 0.9 <= covered / area <= 1.1)
+
+    def test_quads_of_cut_loops(self):
+        """The arms of a star are too narrow for quads of even loops: then quads of cut loops are made, the same as those one asks for."""
+        star = self.write("star.obj", obj_text(*star_of(7, .3)))
+        self.assertIn("these are of --loops cut", self.run_tool("quads", star, self.path("q.obj"), "--count", "130").stderr)
+        self.assertEqual(self.run_tool("quads", star, self.path("c.obj"), "--count", "130", "--loops", "cut").stderr.count("--loops cut"), 0)
+        self.assertEqual(self.read("q.obj"), self.read("c.obj"))
+        self.assertNotIn("these are of --loops cut", self.run_tool("quads", self.mesh, self.path("q.obj"), "--count", "130").stderr)
 
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""

@@ -6,9 +6,10 @@
 //               behind, and most
 //     takers    pairs of a corner and a vertex, the cheapest first, as long as they come in the same order
 //     the rest  between two takers by the linear map of their places
-#include "boundary_places.hpp"
+#include "fit_quads.hpp"
 
 #include "../../core/base/heap_sort.hpp"
+#include "quad_numbers.hpp"
 #include "surface_lines.hpp"
 
 #include <algorithm>
@@ -17,11 +18,6 @@
 namespace hmf {
 
 namespace {
-
-constexpr double TURNS = 0.707; // cosine of 45 degrees
-constexpr int REACH = 3;        // sides that a vertex of one quad goes to a corner; others one
-constexpr double SPREAD = 0.05; // part of even places in all places, that no two are the same
-constexpr double OTHER = 0.5;   // cost, in squared sides, of a quad too many or too few at a corner
 
 class BoundaryPlaces {
 public:

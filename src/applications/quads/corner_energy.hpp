@@ -12,11 +12,11 @@
 // code).
 #pragma once
 
+#include "quad_numbers.hpp"
+
 #include <cmath>
 
 namespace hmf {
-
-constexpr double SIZE = 0.1, ANGLE = 0.75; // weights of the area, and of the angle, beside the shape
 
 struct CornerEnergy {
     double value, by_s, by_a, by_c; // of f, its slopes by s, a and the cotangent

@@ -1,8 +1,8 @@
 #include "fit_quads.hpp"
 
-#include "boundary_places.hpp"
 #include "optimize_quads.hpp"
 #include "quad_figures.hpp"
+#include "quad_numbers.hpp"
 #include "surface_search.hpp"
 
 #include <utility>
@@ -11,9 +11,6 @@ namespace hmf {
 
 namespace {
 
-constexpr int ROUNDS = 5;     // of reaching for tips and snapping to sharp edges
-constexpr double LEAST = 0.5; // sine of the corners around a vertex that stays on a sharp edge or at a tip
-
 // Vertices of quads with worse corners leave what holds them.
 void give_up(QuadMesh& quads) {
     for (size_t q = 0; q < quads.quad_count(); ++q) {
@@ -21,7 +18,7 @@ void give_up(QuadMesh& quads) {
         for (size_t k = 0; k < 4; ++k) {
             uint8_t& held = quads.held[quads.quads[4 * q + k]];
             const bool slides = held == ON_CREASE || held == ON_WAY_TO_TIP;
-            if (!is_at_boundary(held) && worst < (slides ? LEAST : LEAST_TAKEN)) held = 0;
+            if (!is_at_boundary(held) && worst < (slides ? LEAST_SLIDING : LEAST_TAKEN)) held = 0;
         }
     }
 }

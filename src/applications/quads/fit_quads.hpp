@@ -13,7 +13,14 @@ constexpr uint64_t MOST_RELAX_STEPS = 1000;
 
 // Its steps:
 
-constexpr double LEAST_TAKEN = 0.3; // sine of the corners around a vertex that goes to a sharp edge or a tip
+// Vertices of the boundary come in their order along it, each at a place of its own.  Corners of it are taken, first by
+// vertices of one quad, which are AT_CORNER from then on; the others lie between them in proportion to the length, and
+// slide (AT_BOUNDARY).
+//
+//      ---b----.        --------b      b: a vertex of one quad goes to the corner, those beside it follow
+//         |    |   ->      |    |
+//         |    a           |----a
+[[nodiscard]] hmf_status place_on_boundary(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call);
 
 // Where a row or a column of quads runs along edges sharper than 40 degrees, within half a side of a quad, its vertices
 // move onto them and are held there.  snapped: how many.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "corner_energy.hpp"
+#include "quad_numbers.hpp"
 #include "surface_lines.hpp"
 #include "surface_walk.hpp"
 
@@ -19,17 +20,8 @@ namespace hmf {
 
 namespace {
 
-constexpr double GROWTH = 2, SAG = 4;              // weights, see above
-constexpr double RIDGE = 10;                       // more growth where the normals at the corners of a quad differ
-constexpr double EPS = 1e-3;                       // of the barrier, in areas of a quad
-constexpr int EVEN = 20;                           // rounds in which the areas wished are evened out
-constexpr double LONGEST_STEP = 0.5, STILL = 4e-3; // in sides: of a step; of what counts as no move
-constexpr double STEPS[] = {1.6, 1, 0.4, 0.1};     // of a step of Newton's method, longest first
-constexpr int OPTIMIZE_ROUNDS = 4, SWEEPS = 50;    // to untangle, and in each round
-constexpr int RINGS = 4;                           // around folded quads, twice as many in each further round
-constexpr double SOFT = 0.2, HARDER = 0.8;         // eps in the worst corner; in the sweep before
-constexpr uint32_t SLICE = 256;                    // vertices between ticks
-constexpr int MOST_RIM_EDGES = 64;                 // between two neighbors on the boundary
+constexpr uint32_t SLICE = 256;    // vertices between ticks
+constexpr int MOST_RIM_EDGES = 64; // between two neighbors on the boundary
 
 // The corners of a quad from v on.
 struct Around {

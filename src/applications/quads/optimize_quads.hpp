@@ -2,7 +2,6 @@
 #pragma once
 
 #include "quad_shape.hpp"
-#include "surface_normals.hpp"
 
 namespace hmf {
 
@@ -24,8 +23,6 @@ public:
 
     // Vertices were moved from outside, or are held otherwise.
     void look_again();
-
-    const QuadStars& stars() const { return stars_; }
 
 private:
     struct Slopes { // of the energy, by two directions along the surface

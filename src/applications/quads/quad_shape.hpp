@@ -10,6 +10,20 @@ class SurfaceSearch; // surface_search.hpp
 // Normal of the triangle left of a half-edge, of length 1; 0 without area.
 Point normal_at(const Mesh& mesh, const double* position, uint32_t h);
 
+// Normals that vary continuously: between the vertices of a triangle, where they are means by angle.
+class SurfaceNormals {
+public:
+    Done build(const Mesh& mesh, const double* position, Memory& memory);
+
+    // Of length 1; at a point of the triangle left of a half-edge.
+    Point at(uint32_t side, const Point& p) const;
+
+private:
+    Mesh mesh_;
+    const double* position_ = nullptr;
+    Array<Point> of_vertex_;
+};
+
 // The least sine of its corners, as seen along its normal (of the diagonals).
 double worst_corner(const QuadMesh& quads, size_t q);
 // Likewise, but at most 0 where it is seen from behind: the surface near its middle looks the other way.

@@ -7,6 +7,7 @@
 #include "../../core/base/heap_sort.hpp"
 #include "fit_quads.hpp"
 #include "nearest_quads.hpp"
+#include "quad_numbers.hpp"
 #include "surface_lines.hpp"
 #include "surface_walk.hpp"
 
@@ -15,9 +16,6 @@
 namespace hmf {
 
 namespace {
-
-constexpr double FAR = 0.5;   // in mean sides of the quads: what is cut off less stays so
-constexpr double LONGEST = 2; // side of these, in the longest before
 
 struct FarVertex {
     uint32_t vertex, quad; // of the surface, and the quad nearest to it
@@ -43,7 +41,7 @@ private:
         double sides = 0;
         for (size_t i = 0; i < quads_.quads.size(); ++i)
             sides += length_of(at(quads_, quads_.quads[i]) - at(quads_, quads_.quads[i / 4 * 4 + (i + 1) % 4]));
-        least_ = FAR * sides / static_cast<double>(quads_.quads.size());
+        least_ = TAKEN_FROM * sides / static_cast<double>(quads_.quads.size());
         Array<FarVertex> farthest;
         if (!farthest.allocate_filled(call_.memory, quads_.quad_count(), FarVertex{NONE, NONE, 0})) return false;
         for (uint32_t x = 0; x < mesh_.vertex_count; ++x) {

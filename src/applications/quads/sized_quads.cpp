@@ -2,6 +2,7 @@
 
 #include "fit_quads.hpp"
 #include "front_surface.hpp"
+#include "quad_numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +11,6 @@
 namespace hmf {
 
 namespace {
-
-constexpr double MOST_INVERTED = 0.05; // of the quads
-constexpr size_t FEW = 100;            // quads, which are larger than what they should follow as a rule
-constexpr double LEAST_AREA = 0.75;    // of the quads in that of the surface, or the other way around
-constexpr int MOST_DOUBLINGS = 3;      // of the number of quads, where they are refused
 
 // How many quads the wish makes of that area.
 hmf_status wished_number(const SizedQuads& wish, double area, double by_default, double& number, Call& call) {

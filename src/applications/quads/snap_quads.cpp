@@ -9,14 +9,13 @@
 //     o---o---o---o
 #include "box_tree.hpp"
 #include "fit_quads.hpp"
+#include "quad_numbers.hpp"
 #include "surface_lines.hpp"
 
 namespace hmf {
 
 namespace {
 
-constexpr double ALONG = 0.85;      // cosine of 32 degrees
-constexpr double SNAP_REACH = 0.5;  // of the mean side at the vertex
 constexpr double SAME_PLACE = 1e-9; // of two squared distances: alike but for rounding
 
 // Of two at the same distance up to rounding, the one with the smaller number.
@@ -72,7 +71,7 @@ private:
     // point.
     template <class Place>
     uint32_t nearest(const BoxTree& tree, uint32_t v, const Place& place) const {
-        const double reach = SNAP_REACH * length_[v];
+        const double reach = TAKEN_FROM * length_[v];
         uint32_t found = NONE;
         double best = reach * reach;
         tree.search(at(quads_, v), best, [&](size_t i) {

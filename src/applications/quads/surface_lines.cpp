@@ -1,12 +1,13 @@
 #include "surface_lines.hpp"
 
+#include "quad_numbers.hpp"
+
 #include <algorithm>
 
 namespace hmf {
 
 namespace {
 
-constexpr double SHARP = 0.766;           // cosine of 40 degrees
 constexpr int MOST_EDGES_OF_SLIDE = 4096; // so that the time is bounded
 
 // The other sharp edge at the vertex where h ends, pointing away; NONE at a corner.
