@@ -262,7 +262,7 @@ void run(const Soup& soup, const std::vector<Edge>& edges, const std::string& ki
         {
             hmf::SignedMultigrid multigrid;
             const double t0 = now();
-            if (!multigrid.setup(matrix, memory)) std::exit(1);
+            if (!multigrid.setup(matrix, call)) std::exit(1);
             const double t1 = now();
             result = multigrid.solve(matrix, s.b.data(), x.data(), 1e-8, 200, call);
             const double t2 = now();

@@ -148,7 +148,7 @@ def main():
         (work / "steering_table.inc").write_text("".join(table))
         steered = ["newton.cpp", "cascade.cpp"]
         for name in steered:
-            source = (ROOT / "src/solve" / name).read_text()
+            source = (ROOT / "src/core/solve" / name).read_text()
             (work / name).write_text(source.replace('#include "', f'#include "{ROOT}/src/core/solve/').replace(
                 f'"{ROOT}/src/core/solve/steering.hpp"', '"steering.hpp"'))
         (work / "program.cpp").write_text(PROGRAM)

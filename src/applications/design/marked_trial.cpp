@@ -246,7 +246,7 @@ Done MarkedTrial::linearize(Linearized& at) {
         || !at.change.allocate(call_.memory, mesh.edge_count) || !at.model.linearize(f, at.rings, weight, star, call_))
         return false;
     at.model.assemble(f, at.rings, weight, call_);
-    return !call_.cancelled() && at.multigrid.setup(at.model.matrix(), call_.memory, &call_);
+    return !call_.cancelled() && at.multigrid.setup(at.model.matrix(), call_);
 }
 
 // Triangles that are no tripods, which contain zeros.

@@ -46,7 +46,7 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
             }
         }))
         return HMF_CANCELLED;
-    if (multigrid_.setup(matrix(), call.memory, &call)) return HMF_OK;
+    if (multigrid_.setup(matrix(), call)) return HMF_OK;
     return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
 }
 
@@ -102,7 +102,8 @@ hmf_status TwistedLaplacian::find_w(double relative, Call& call) {
                          "The equations of (u, v) were solved to %.1g instead of %.1g. Improve the worst triangles "
                          "of the mesh.",
                          result.residual, relative);
-    return factor.solve(right_.data(), w_.data(), call.memory) ? HMF_OK : call.out_of_memory();
+    factor.solve(right_.data(), w_.data());
+    return HMF_OK;
 }
 
 hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, Call& call, const Known& known) {

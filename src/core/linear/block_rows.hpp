@@ -72,19 +72,19 @@ public:
     // In blocks of at least the given number of rows; the rows are the same for any block size. write_block(b, slot):
     // writes the rows of block b into the slot; false if it does not have enough space.
     template <class Write>
-    Done write(uint32_t rows, uint32_t rows_of_block, size_t expected, Memory& memory, Call* call, Write write_block) {
+    Done write(uint32_t rows, uint32_t rows_of_block, size_t expected, Call& call, Write write_block) {
         rows_ = rows;
         size_ = rows / MOST_BLOCKS < rows_of_block ? rows_of_block : rows / MOST_BLOCKS + 1;
         bool fits = false;
         for (size_t room = expected; !fits; room *= 4) {
-            if (!begin(room, memory)) return false;
+            if (!begin(room, call.memory)) return false;
             fits = true;
             for (uint32_t first = 0; first < block_count() && fits; first += BLOCKS_AT_ONCE) {
-                if (call && !(call->tick(0, true) && !call->finishing())) return false;
+                if (!call.tick(0, true) || call.finishing()) return false;
                 const uint32_t left = block_count() - first, count = left < BLOCKS_AT_ONCE ? left : BLOCKS_AT_ONCE;
                 bool done[BLOCKS_AT_ONCE] = {};
-                const Parallel parallel = call ? call->parallel : Parallel();
-                parallel.for_each(count, [&](uint32_t k, uint32_t slot) { done[k] = write_block(first + k, slot); });
+                call.parallel.for_each(count,
+                                       [&](uint32_t k, uint32_t slot) { done[k] = write_block(first + k, slot); });
                 for (uint32_t k = 0; k < count; ++k) fits &= done[k];
             }
         }

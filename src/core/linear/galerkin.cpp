@@ -99,8 +99,9 @@ struct Product {
 } // namespace
 
 Done galerkin(const SignedMatrix& matrix, const Prolongation& columns, const SparseRows<float>& rows,
-              CoarseMatrix& coarse, Memory& memory, Call* call) {
-    const Parallel parallel = call ? call->parallel : Parallel();
+              CoarseMatrix& coarse, Call& call) {
+    Memory& memory = call.memory;
+    const Parallel& parallel = call.parallel;
     const uint32_t count = static_cast<uint32_t>(columns.columns());
     const size_t bound = size_t{longest(columns.start.data(), count)} * (longest(matrix.offset, matrix.n) + 1);
     const uint32_t slots = parallel.slots() < BLOCKS_AT_ONCE ? parallel.slots() : BLOCKS_AT_ONCE;
@@ -110,9 +111,9 @@ Done galerkin(const SignedMatrix& matrix, const Prolongation& columns, const Spa
     if (!coarse.diagonal.allocate_filled(memory, count, 0)) return false;
     const Product product{matrix, columns, rows};
     BlockRows<double> out;
-    return out.write(count, PRODUCT_ROWS_OF_BLOCK, PRODUCT_EXPECTED_ENTRIES, memory, call,
-                     [&](uint32_t b, uint32_t slot) { return product.write(out, b, coarse.diagonal, scratch[slot]); })
-        && out.join(coarse.rows, true, memory);
+    return out.write(count, PRODUCT_ROWS_OF_BLOCK, PRODUCT_EXPECTED_ENTRIES, call, [&](uint32_t b, uint32_t slot) {
+        return product.write(out, b, coarse.diagonal, scratch[slot]);
+    }) && out.join(coarse.rows, true, memory);
 }
 
 } // namespace hmf

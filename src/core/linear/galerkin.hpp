@@ -18,8 +18,8 @@ struct CoarseMatrix {
     }
 };
 
-// P by columns and by rows.  call: may be null.
+// P by columns and by rows.
 Done galerkin(const SignedMatrix& matrix, const Prolongation& columns, const SparseRows<float>& rows,
-              CoarseMatrix& coarse, Memory& memory, Call* call);
+              CoarseMatrix& coarse, Call& call);
 
 } // namespace hmf

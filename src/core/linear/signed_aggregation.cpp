@@ -190,10 +190,10 @@ Done renumber(Aggregates& a, uint32_t n, Memory& memory) {
     return true;
 }
 
-Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory,
-               Call* call) {
+Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Call& call) {
     const uint32_t n = matrix.n;
-    const Parallel parallel = call ? call->parallel : Parallel();
+    Memory& memory = call.memory;
+    const Parallel& parallel = call.parallel;
     if (!find_dependence(matrix, kernel, strength, a, parallel, memory) || !continues(call)) return false;
     for (uint32_t i = 0; i < n; ++i) {
         if (a.of[i] != UNDECIDED) continue;
@@ -272,8 +272,9 @@ struct SmoothedRows {
 };
 
 Done build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel, const Aggregates& a,
-                        const Array<double>& norm, SparseRows<float>& rows, Memory& memory, Call* call) {
-    const Parallel parallel = call ? call->parallel : Parallel();
+                        const Array<double>& norm, SparseRows<float>& rows, Call& call) {
+    Memory& memory = call.memory;
+    const Parallel& parallel = call.parallel;
     const uint32_t n = matrix.n, slots = parallel.slots() < BLOCKS_AT_ONCE ? parallel.slots() : BLOCKS_AT_ONCE;
     Array<double> tentative;
     RowSums sums[BLOCKS_AT_ONCE];
@@ -286,7 +287,7 @@ Done build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
     });
     const SmoothedRows smoothed{matrix, kernel, a, tentative};
     BlockRows<float> out;
-    return out.write(n, ROWS_OF_BLOCK, EXPECTED_ENTRIES, memory, call, [&](uint32_t b, uint32_t slot) {
+    return out.write(n, ROWS_OF_BLOCK, EXPECTED_ENTRIES, call, [&](uint32_t b, uint32_t slot) {
         return smoothed.write(out, b, sums[slot]);
     }) && out.join(rows, false, memory);
 }
@@ -343,13 +344,14 @@ Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<flo
 }
 
 Done coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
-             CoarseMatrix& coarse, Memory& memory, Call* call) {
+             CoarseMatrix& coarse, Call& call) {
+    Memory& memory = call.memory;
+    const Parallel& parallel = call.parallel;
     const uint32_t n = matrix.n;
     for (uint32_t i = 0; i < n; ++i)
         if (!(level.scale[i] > 0)) near_kernel[i] = 0;
     Aggregates a;
-    if (!continues(call) || !aggregate(matrix, near_kernel, strength, a, memory, call) || !continues(call))
-        return false;
+    if (!continues(call) || !aggregate(matrix, near_kernel, strength, a, call) || !continues(call)) return false;
     const uint32_t count = a.count;
     Array<double> norm;
     if (!norm.allocate_filled(memory, count, 0)) return false;
@@ -357,15 +359,14 @@ Done coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, 
         if (a.of[i] != LEFT_OUT) norm[a.of[i]] += matrix.diagonal[i] * near_kernel[i] * near_kernel[i];
     for (uint32_t c = 0; c < count; ++c) norm[c] = std::sqrt(norm[c]);
     SparseRows<float> rows;
-    if (!build_prolongation(matrix, near_kernel, a, norm, rows, memory, call)) return false;
+    if (!build_prolongation(matrix, near_kernel, a, norm, rows, call)) return false;
     a.sign.release();
     a.strong.release();
     near_kernel = static_cast<Array<double>&&>(norm);
-    const Parallel parallel = call ? call->parallel : Parallel();
     Prolongation& p = level.prolongation;
     if (!transpose(rows, count, p, parallel, memory) || !p.share(a.of, parallel, memory)) return false;
     a.of.release();
-    return galerkin(matrix, p, rows, coarse, memory, call);
+    return galerkin(matrix, p, rows, coarse, call);
 }
 
 } // namespace hmf

@@ -7,7 +7,7 @@
 namespace hmf {
 
 // Called between pieces of work; not done: cancelled, or asked to finish.
-inline Done continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
+inline Done continues(Call& call) { return call.tick(0, true) && !call.finishing(); }
 
 // 1 / sqrt(diagonal); 0 for rows whose diagonal is not above the threshold.
 Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, const Parallel& parallel,
@@ -19,6 +19,6 @@ Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<flo
 //   strength      entries with a smaller share of their row are weak
 // The prolongation still lacks the scaling of both levels.
 Done coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
-             CoarseMatrix& coarse, Memory& memory, Call* call);
+             CoarseMatrix& coarse, Call& call);
 
 } // namespace hmf

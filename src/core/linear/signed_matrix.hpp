@@ -16,4 +16,14 @@ struct SignedMatrix {
     const double* diagonal; // n
 };
 
+// The equations A x = b.
+struct LinearSystem {
+    SignedMatrix matrix;
+    const double* right;
+    double* x;               // start, then solution
+    const uint8_t* is_fixed; // unknowns whose row and column are 0
+    const float* row_scale;  // makes a row of the residual that of the caller
+    bool is_singular;        // if no unknown is fixed or held, x is known up to a constant
+};
+
 } // namespace hmf

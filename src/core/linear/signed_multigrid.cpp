@@ -20,6 +20,10 @@
 
 namespace hmf {
 
+// Added to the diagonal of the coarsest level, which is about 1. Without it, a loose solve amplifies what is near the
+// kernel, such as the wave of a ring of heavy edges.
+static constexpr double COARSEST_SHIFT = 1e-3;
+
 // --- Levels ------------------------------------------------------------------
 
 MultigridLevels::~MultigridLevels() {
@@ -47,15 +51,16 @@ Done MultigridLevels::start(Memory& memory) {
     return true;
 }
 
-Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
+Done SignedMultigrid::setup(const SignedMatrix& matrix, Call& call) {
+    Memory& memory = call.memory;
+    const Parallel& parallel = call.parallel;
     room_.release();
     coarse_room_.release();
     sums_.release();
     level_count_ = 0;
-    dense_.clear();
-    single_is_enough_ = true;
+    coarsest_ = SparseFactor();
+    coarsest_vector_.release();
     if (!level_.start(memory)) return false;
-    const Parallel parallel = call ? call->parallel : Parallel();
     const size_t n = matrix.n;
     double largest = 0;
     for (uint32_t i = 0; i < matrix.n; ++i)
@@ -69,22 +74,26 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     float strength = 0.05f;
     for (uint32_t l = 0; l < MAX_LEVELS; ++l) {
         MultigridLevel& level = level_[l];
-        if (!unit_diagonal_scale(current, threshold, level.scale, parallel, memory)) return false;
+        const bool is_coarsest = l > 0 && current.n <= SMALL;
+        if (is_coarsest) {
+            if (!coarsest_vector_.allocate(memory, current.n) || !level.scale.allocate_filled(memory, current.n, 1))
+                return false;
+        } else if (!unit_diagonal_scale(current, threshold, level.scale, parallel, memory)) return false;
         if (l > 0) {
             MultigridLevel& finer = level_[l - 1];
             finer.prolongation.scale(level.scale.data(), finer.scale.data(), parallel);
             finer.prolongation.renumber(finer.matrix, parallel);
             if (l > 1) finer.scale.release();
         }
-        if (current.n <= DENSE_LIMIT) {
-            if (!dense_.build(current, level.scale, memory, call)) return false;
+        if (is_coarsest) {
+            if (!coarsest_.build(current, call, COARSEST_SHIFT)) return false;
             break;
         }
         ++level_count_;
         level.n = current.n;
-        const bool last = l + 1 == depth || l + 1 == MAX_LEVELS;
+        const bool last = current.n == 0 || l + 1 == MAX_LEVELS;
         CoarseMatrix coarse;
-        if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
+        if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, call))
             || !continues(call) || !level.matrix.build(current, level.scale.data(), l == 0, parallel, memory)
             || !level.b.allocate(memory, level.n) || !level.x.allocate(memory, level.n)
             || !level.r.allocate(memory, level.n))
@@ -106,20 +115,6 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         && room_.allocate(memory, 3 * n);
 }
 
-void SignedMultigrid::release_vectors() {
-    if (level_.empty()) return;
-    MultigridLevel& level = level_[0];
-    for (Array<float>* const vector : {&level.b, &level.x, &level.r}) vector->release();
-    room_.release();
-}
-
-Done SignedMultigrid::claim_vectors(Memory& memory) {
-    if (!room_.empty()) return true;
-    MultigridLevel& level = level_[0];
-    return level.b.allocate(memory, level.n) && level.x.allocate(memory, level.n) && level.r.allocate(memory, level.n)
-        && room_.allocate(memory, 3 * size_t{level_count_ ? level.n : dense_.size()});
-}
-
 void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel) {
     if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), changed, parallel);
 }
@@ -133,11 +128,11 @@ double SignedMultigrid::operator_complexity() const {
 // --- Cycle -------------------------------------------------------------------
 
 float* SignedMultigrid::next_right(uint32_t l) {
-    return l + 1 == level_count_ ? dense_.vector() : level_[l + 1].b.data();
+    return l + 1 == level_count_ ? coarsest_vector_.data() : level_[l + 1].b.data();
 }
 
 const float* SignedMultigrid::next_solution(uint32_t l) const {
-    return l + 1 == level_count_ ? dense_.vector() : level_[l + 1].x.data();
+    return l + 1 == level_count_ ? coarsest_vector_.data() : level_[l + 1].x.data();
 }
 
 void SignedMultigrid::leave_out(const LinearOptions* held, const MultigridLevel& level, Array<float>& vector) {
@@ -168,7 +163,7 @@ void SignedMultigrid::v_cycle(uint32_t l, const Parallel& parallel) {
         level_[m].matrix.forward(level_[m].b.data(), level_[m].x.data(), parallel);
         descend(m, parallel);
     }
-    dense_.solve();
+    coarsest_.solve(coarsest_vector_.data(), coarsest_vector_.data());
     for (uint32_t m = level_count_; m-- > l;) {
         ascend(m, parallel);
         level_[m].matrix.backward(level_[m].b.data(), level_[m].x.data(), parallel);
@@ -181,14 +176,6 @@ void SignedMultigrid::correct(const Parallel& parallel, const LinearOptions* hel
     if (level_count_ > 1) k_cycle(parallel);
     else v_cycle(1, parallel);
     ascend(0, parallel, held);
-}
-
-void SignedMultigrid::cycle(const Parallel& parallel) {
-    if (level_count_ == 0) return dense_.solve();
-    MultigridLevel& level = level_[0];
-    level.matrix.forward(level.b.data(), level.x.data(), parallel);
-    correct(parallel, nullptr);
-    level.matrix.backward(level.b.data(), level.x.data(), parallel);
 }
 
 StepVectors SignedMultigrid::step_vectors(Array<double>& room, uint32_t l) {
@@ -233,17 +220,6 @@ void SignedMultigrid::k_cycle(const Parallel& parallel) {
 
 namespace {
 
-// y = A x.
-void multiply(const SignedMatrix& a, const double* x, double* y, const Parallel& parallel) {
-    parallel.for_blocks(a.n, [=](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            double v = a.diagonal[i] * x[i];
-            for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
-            y[i] = v;
-        }
-    });
-}
-
 bool is_zero(const double* x, size_t n, const Parallel& parallel) {
     struct Any {
         bool any = false;
@@ -256,66 +232,6 @@ bool is_zero(const double* x, size_t n, const Parallel& parallel) {
                                      return Any{begin < end};
                                  })
                 .any;
-}
-
-// The norms of a residual: 2-norm with the scaling to unit diagonal, largest row with that of the caller. row_scale:
-// may be null. residual(i) is called once for each row. input: if not null, the next input of the preconditioner, the
-// scaled residual times factor.
-template <class Residual>
-ResidualNorms residual_norms(size_t n, const float* scale, const float* row_scale, float* input, double factor,
-                             const Parallel& parallel, Residual residual) {
-    return parallel.sum_blocks<ResidualNorms>(n, [=](size_t begin, size_t end) {
-        ResidualNorms norms;
-        for (size_t i = begin; i < end; ++i) {
-            const double r = residual(i), g = static_cast<double>(scale[i]) * r;
-            norms.squares += g * g;
-            if (input) input[i] = static_cast<float>(g * factor) + FLOOR_VALUE;
-            if (!row_scale) continue;
-            const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
-            if (row > norms.largest_row) norms.largest_row = row;
-        }
-        return norms;
-    });
-}
-
-// Of a preconditioned residual z on the residual, and on A times the direction before.
-struct Projections {
-    double zr = 0, zq = 0;
-    void operator+=(const Projections& other) {
-        zr += other.zr;
-        zq += other.zq;
-    }
-};
-
-// z: scaled back here.
-Projections project(size_t n, const float* scale, float* z, const double* r, const double* q,
-                    const Parallel& parallel) {
-    return parallel.sum_blocks<Projections>(n, [=](size_t begin, size_t end) {
-        Projections sum;
-        for (size_t i = begin; i < end; ++i) {
-            z[i] *= scale[i];
-            sum.zr += static_cast<double>(z[i]) * r[i];
-            sum.zq += static_cast<double>(z[i]) * q[i];
-        }
-        return sum;
-    });
-}
-
-// p = z + beta p and q = A z + beta q, which is A p; returns p * q.
-double next_direction(const SignedMatrix& a, const float* z, double beta, double* p, double* q,
-                      const Parallel& parallel) {
-    return parallel.sum_blocks<double>(a.n, [=](size_t begin, size_t end) {
-        double sum = 0;
-        for (size_t i = begin; i < end; ++i) {
-            double v = a.diagonal[i] * static_cast<double>(z[i]);
-            for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k)
-                v += a.entry[k] * static_cast<double>(z[a.column[k]]);
-            p[i] = static_cast<double>(z[i]) + beta * p[i];
-            q[i] = v + beta * q[i];
-            sum += p[i] * q[i];
-        }
-        return sum;
-    });
 }
 
 } // namespace
@@ -356,7 +272,6 @@ struct SignedMultigrid::Search {
     uint32_t limit;
     LinearResult result;
     Pace pace;
-    bool ended = false;
 
     bool is_small(double norm, double row) const {
         return !(norm > goal) || (options.row_scale && row <= options.row_tolerance);
@@ -372,66 +287,6 @@ struct SignedMultigrid::Search {
         return pace.is_too_slow(missing);
     }
 };
-
-// The residual of the recurrence drifts from the true one; at the goal the
-// true one decides, and if need be the search starts again from it.
-void SignedMultigrid::search_in_double(Search& s, Call& call) {
-    const size_t n = s.matrix.n;
-    const float* scale = level_[0].scale.data();
-    double *const r = room_.data(), *const p = r + n, *const q = p + n, *const x = s.x;
-    const LinearOptions& options = s.options;
-    const Parallel& parallel = call.parallel;
-    // The vectors of level 0 may have other numbers.
-    float* const input = level_count_ ? level_[0].r.data() : dense_.vector();
-    float* const output = input;
-    const auto apply = [&] {
-        MultigridLevel& level = level_[0];
-        for (size_t i = 0; i < level.n; ++i) level.b[level.matrix.number(i)] = input[i];
-        cycle(parallel);
-        for (size_t i = 0; i < level.n; ++i) output[i] = level.x[level.matrix.number(i)];
-    };
-    const auto leave_out = [&](auto* vector) {
-        for (size_t k = 0; k < options.fixed_count; ++k) vector[options.fixed[k]] = 0;
-    };
-    double norm = s.reference, before_restart = 1e300;
-    for (uint32_t restart = 0; restart < 8; ++restart) {
-        if (restart > 0 || !is_zero(x, n, parallel)) multiply(s.matrix, x, r, parallel);
-        else parallel.for_blocks(n, [=](size_t begin, size_t end) { std::memset(r + begin, 0, (end - begin) * 8); });
-        for (size_t k = 0; k < options.fixed_count; ++k) r[options.fixed[k]] = s.b[options.fixed[k]];
-        ResidualNorms norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=, &s](size_t i) {
-            p[i] = q[i] = 0;
-            return r[i] = s.b[i] - r[i];
-        });
-        norm = std::sqrt(norms.squares);
-        s.tell(norm, norms.largest_row);
-        s.result.converged = norm < 1e300 && s.is_small(norm, norms.largest_row);
-        if (s.result.converged || !(norm < 0.5 * before_restart) || s.result.iterations >= s.limit) return;
-        before_restart = norm;
-
-        double pq = 0; // 0: no direction yet
-        while (!s.is_small(norm, norms.largest_row) && s.result.iterations < s.limit) {
-            if (!continues(&call) || call.out_of_time()) {
-                s.tell(norm, norms.largest_row);
-                return;
-            }
-            apply();
-            leave_out(output);
-            const auto [zr, zq] = project(n, scale, output, r, q, parallel);
-            pq = next_direction(s.matrix, output, pq > 0 ? -zq / pq : 0, p, q, parallel);
-            leave_out(q);
-            ++s.result.iterations;
-            if (!(pq > 0) || !(zr > 0)) break;
-            const double alpha = zr / pq;
-            // Times the previous norm: about 1, the range of single precision.
-            norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=](size_t i) {
-                x[i] += alpha * p[i];
-                return r[i] -= alpha * q[i];
-            });
-            norm = std::sqrt(norms.squares);
-            if (s.is_too_slow(norm, norms.largest_row)) return;
-        }
-    }
-}
 
 // The true residual in the unit of the sweeps, as their right side, and its norms in that unit.
 ResidualNorms SignedMultigrid::find_residual(const Search& s, double per_unit, const float* held,
@@ -468,8 +323,8 @@ ResidualNorms SignedMultigrid::find_residual(const Search& s, double per_unit, c
 }
 
 // Steps that need no product with the matrix: they reduce the residual by a factor, then restart from the true
-// residual. False: not precise enough, because the true residual differs from the recurrence.
-bool SignedMultigrid::search_in_single(Search& s, Call& call) {
+// residual. Ends without convergence where the true residual differs from the recurrence.
+void SignedMultigrid::search_from(Search& s, Call& call) {
     constexpr double share = 1e-3, least_gain = 0.1, some_drift = 1.01, most_drift = 1.25, none = 1e300;
     const size_t n = s.matrix.n;
     MultigridLevel& level = level_[0];
@@ -490,7 +345,7 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
     for (size_t k = 0; k < options.fixed_count; ++k) v.row_scale[sweeps.number(options.fixed[k])] = -1;
     double* const solution = s.x;
     double unit = s.reference, before = none, pq = 0; // 0: no direction yet
-    bool broken = false;
+    bool broken = false, ended = false;
     for (;;) {
         // What 1 means in single precision is the norm of the residual, or nearly so.
         parallel.for_blocks(
@@ -500,9 +355,8 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
         const auto row = [&] { return norms.largest_row * unit; };
         s.tell(norm(), row());
         s.result.converged = norm() < 1e300 && s.is_small(norm(), row());
-        s.ended |= s.result.converged || s.result.iterations >= s.limit;
-        if (s.ended) return true;
-        if (broken || !(norm() < least_gain * before) || (before < none && norm() > most_drift * unit)) return false;
+        if (s.result.converged || s.result.iterations >= s.limit) return;
+        if (broken || !(norm() < least_gain * before) || (before < none && norm() > most_drift * unit)) return;
         before = norm();
         const double enough = share * norm();
         // The direction is continued unless A p is too inexact; the component of the true residual along it is no
@@ -515,8 +369,8 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
         });
         sweeps.forward(g, x, parallel, v.row_scale);
         while (!s.is_small(norm(), row()) && s.result.iterations < s.limit && norm() > enough) {
-            if (!continues(&call) || call.out_of_time()) {
-                s.ended = true;
+            if (!continues(call) || call.out_of_time()) {
+                ended = true;
                 break;
             }
             correct(parallel, &options);
@@ -530,7 +384,7 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
             norms = sweeps.step_forward(static_cast<float>(alpha), static_cast<float>(beta), g, x, v, parallel);
             pr = 0;
             if (s.is_too_slow(norm(), row())) {
-                s.ended = true;
+                ended = true;
                 break;
             }
         }
@@ -539,8 +393,7 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
             for (size_t i = begin; i < end; ++i)
                 solution[i] += static_cast<double>(scale[i]) * static_cast<double>(v.solution[sweeps.number(i)]) * unit;
         });
-        if (options.unchecked && !broken && s.is_small(norm(), row())) s.ended = s.result.converged = true;
-        if (s.ended) return true;
+        if (ended) return;
         unit = norm();
     }
 }
@@ -548,10 +401,15 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
 LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
                                     uint32_t iteration_limit, Call& call, const LinearOptions& options) {
     const size_t n = matrix.n;
-    const double reference =
-        std::sqrt(residual_norms(n, level_[0].scale.data(), nullptr, nullptr, 0, call.parallel, [=](size_t i) {
-                      return b[i];
-                  }).squares);
+    const float* const scale = level_[0].scale.data();
+    const double reference = std::sqrt(call.parallel.sum_blocks<double>(n, [=](size_t begin, size_t end) {
+        double squares = 0;
+        for (size_t i = begin; i < end; ++i) {
+            const double own = static_cast<double>(scale[i]) * b[i];
+            squares += own * own;
+        }
+        return squares;
+    }));
     LinearResult result;
     if (!(reference > 0) || !(reference < 1e300)) {
         for (size_t i = 0; i < n; ++i) x[i] = 0;
@@ -564,11 +422,7 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     Search search{matrix,          b,         x,
                   options,         reference, relative_tolerance * reference,
                   iteration_limit, result,    Pace(iteration_limit)};
-    if (level_count_ == 0 || options.other_matrix || !single_is_enough_) search_in_double(search, call);
-    else if (!search_in_single(search, call)) {
-        single_is_enough_ = false;
-        search_in_double(search, call);
-    }
+    search_from(search, call);
     return search.result;
 }
 

@@ -11,12 +11,12 @@
 //
 // Sweeps work in single precision on the matrix scaled to unit diagonal, so weights
 // from 1e-9 to 1e6 fit, and steps of conjugate gradients with them (sweep_matrix.hpp): the
-// residual is taken in double, they make 1e-3 of it, and it is taken again.  If that is not precise enough, the steps
-// are made in double, and only the preconditioner in single precision.
+// residual is taken in double, they make 1e-3 of it, and it is taken again.  Where single precision does not suffice
+// for that, the solve ends without convergence (linear_solver.hpp has what follows).
 #pragma once
 
-#include "dense_factor.hpp"
 #include "prolongation.hpp"
+#include "sparse_factor.hpp"
 #include "sweep_matrix.hpp"
 
 namespace hmf {
@@ -33,11 +33,6 @@ struct LinearOptions {
     size_t fixed_count = 0;
     // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
     bool stop_if_too_slow = false;
-    // Accepts the residual of the recurrence at the end, which saves a product with A: for callers that check the
-    // resulting x. It is accurate to 1e-4 (bench/README.md).
-    bool unchecked = false;
-    // A is not that of setup or of the last refresh: all products are taken with A itself.
-    bool other_matrix = false;
 };
 
 struct LinearResult {
@@ -87,10 +82,8 @@ class SignedMultigrid {
 public:
     static constexpr uint32_t MAX_LEVELS = MultigridLevels::MOST;
 
-    // Builds the preconditioner. Not done also if the call (may be null) was asked to finish. The matrix is not kept.
-    // depth: largest number of sparse levels; 1 is the smoother alone, which suffices for a few digits of an error
-    // without long waves.
-    Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = MAX_LEVELS);
+    // Builds the preconditioner. Not done also if the call was asked to finish. The matrix is not kept.
+    Done setup(const SignedMatrix& matrix, Call& call);
 
     // Takes the values of a matrix that hardly differs, in the same columns, for the
     // smoother of the finest level; the coarse levels stay.  changed: rows with other values.
@@ -104,11 +97,7 @@ public:
     LinearResult solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
                        uint32_t iteration_limit, Call& call, const LinearOptions& options = {});
 
-    // The vectors of level 0, for which there may be another use between two solves, are given back, and taken again.
-    void release_vectors();
-    Done claim_vectors(Memory& memory);
-
-    uint32_t level_count() const { return level_count_ + (dense_.size() > 0 ? 1 : 0); }
+    uint32_t level_count() const { return level_count_ + (coarsest_.empty() ? 0 : 1); }
     double operator_complexity() const; // stored entries of all sparse levels / of the finest
 
 private:
@@ -119,21 +108,19 @@ private:
     void ascend(uint32_t level, const Parallel& parallel, const LinearOptions* held = nullptr);
     static void leave_out(const LinearOptions* held, const MultigridLevel& level, Array<float>& vector);
     void correct(const Parallel& parallel, const LinearOptions* held);
-    void cycle(const Parallel& parallel); // of all levels
     void k_cycle(const Parallel& parallel);
     void v_cycle(uint32_t level, const Parallel& parallel);
     struct Search;
-    void search_in_double(Search& search, Call& call);
-    bool search_in_single(Search& search, Call& call);
+    void search_from(Search& search, Call& call);
     ResidualNorms find_residual(const Search& search, double per_unit, const float* held, const Parallel& parallel);
 
-    static constexpr uint32_t DENSE_LIMIT = 300;
+    static constexpr uint32_t SMALL = 150; // unknowns of the coarsest level
     MultigridLevels level_;
-    uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
-    bool single_is_enough_ = true; // of products by the sweeps
-    DenseFactor dense_;            // the coarsest level; empty only if there are as many sparse ones as may be
+    uint32_t level_count_ = 0;     // with sweeps; at least one
+    SparseFactor coarsest_;        // empty: the last level with sweeps is the coarsest
+    Array<float> coarsest_vector_; // its right side, then its solution
     StepVectors step_vectors(Array<double>& room, uint32_t level);
-    // Conjugate gradients: three vectors in double, or those of steps in single precision.
+    // The vectors of conjugate gradients, six in single precision.
     Array<double> room_;
     Array<double> coarse_room_; // for the steps of the K-cycle, on level 1
     Array<StepSums> sums_;      // of the segments of level 0 or 1

@@ -133,19 +133,19 @@ Done SparseFactor::find_tree(const SignedMatrix& matrix, Call& call, uint64_t& e
     return true;
 }
 
-Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call) {
+Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call, double shift) {
     const uint32_t n = matrix.n;
     Array<uint32_t> seen, way, above;
     Array<uint64_t> end; // of what a column has so far
-    Array<double> y;
+    double* const y = y_.data();
     if (!seen.allocate_filled(call.memory, n, NOWHERE) || !way.allocate(call.memory, n)
-        || !above.allocate(call.memory, n) || !end.allocate(call.memory, n) || !y.allocate_filled(call.memory, n, 0.0))
+        || !above.allocate(call.memory, n) || !end.allocate(call.memory, n))
         return false;
     for (uint32_t k = 0; k < n; ++k) end[k] = first_[k];
     for (uint32_t k = 0; k < n; ++k) {
         if (k % FACTOR_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t i = unknown_[k];
-        double pivot = matrix.diagonal[i];
+        double pivot = matrix.diagonal[i] + shift;
         // Its columns, each before those above it in the tree: way[top], ..
         uint32_t top = n;
         seen[k] = k;
@@ -168,13 +168,12 @@ Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call) {
             row_[end[j]] = k;
             entry_[end[j]++] = part;
         }
-        const double least = LEAST_PIVOT * matrix.diagonal[i];
-        diagonal_[k] = pivot > least ? pivot : HUGE_VAL;
+        diagonal_[k] = pivot > LEAST_PIVOT * matrix.diagonal[i] ? pivot : HUGE_VAL;
     }
     return true;
 }
 
-Done SparseFactor::build(const SignedMatrix& matrix, Call& call) {
+Done SparseFactor::build(const SignedMatrix& matrix, Call& call, double shift) {
     n_ = 0;
     if (matrix.n > MOST_UNKNOWNS) return true;
     uint64_t entries = 0;
@@ -182,32 +181,27 @@ Done SparseFactor::build(const SignedMatrix& matrix, Call& call) {
     if (entries > MOST_ENTRIES * matrix.n) return true;
     if (!row_.allocate(call.memory, static_cast<size_t>(entries))
         || !entry_.allocate(call.memory, static_cast<size_t>(entries)) || !diagonal_.allocate(call.memory, matrix.n)
-        || !eliminate(matrix, call))
+        || !y_.allocate_filled(call.memory, matrix.n, 0.0) || !eliminate(matrix, call, shift))
         return false;
     n_ = matrix.n;
     return true;
 }
 
-// y: in the order of elimination.
-void SparseFactor::apply(double* y) const {
-    for (uint32_t k = 0; k < n_; ++k) {
-        const double x = y[k];
-        for (uint64_t p = first_[k]; p < first_[k + 1]; ++p) y[row_[p]] -= entry_[p] * x;
-    }
+template <class Real>
+void SparseFactor::solve(const Real* b, Real* x) {
+    double* const y = y_.data();
+    for (uint32_t i = 0; i < n_; ++i) y[place_[i]] = static_cast<double>(b[i]);
+    for (uint32_t k = 0; k < n_; ++k)
+        for (uint64_t p = first_[k]; p < first_[k + 1]; ++p) y[row_[p]] -= entry_[p] * y[k];
     for (uint32_t k = n_; k-- > 0;) {
-        double x = y[k] / diagonal_[k];
-        for (uint64_t p = first_[k]; p < first_[k + 1]; ++p) x -= entry_[p] * y[row_[p]];
-        y[k] = x;
+        double value = y[k] / diagonal_[k];
+        for (uint64_t p = first_[k]; p < first_[k + 1]; ++p) value -= entry_[p] * y[row_[p]];
+        y[k] = value;
     }
+    for (uint32_t i = 0; i < n_; ++i) x[i] = static_cast<Real>(y[place_[i]]);
 }
 
-Done SparseFactor::solve(const double* b, double* x, Memory& memory) const {
-    Array<double> y;
-    if (!y.allocate(memory, n_)) return false;
-    for (uint32_t i = 0; i < n_; ++i) y[place_[i]] = b[i];
-    apply(y.data());
-    for (uint32_t i = 0; i < n_; ++i) x[i] = y[place_[i]];
-    return true;
-}
+template void SparseFactor::solve(const double*, double*);
+template void SparseFactor::solve(const float*, float*);
 
 } // namespace hmf

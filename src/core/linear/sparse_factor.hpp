@@ -21,10 +21,12 @@ class SparseFactor {
 public:
     // Done, with an empty factor, also for more than most_unknowns, or where it would have more than most_entries a
     // row: then there is no solution from here.  Rows with the diagonal 0 are left out.
-    Done build(const SignedMatrix& matrix, Call& call);
+    // shift: is added to the diagonal, which bounds what is near a kernel.
+    Done build(const SignedMatrix& matrix, Call& call, double shift = 0);
     bool empty() const { return n_ == 0; }
-    // A x = b.  Another solve for what rounding leaves of b makes that no smaller.
-    Done solve(const double* b, double* x, Memory& memory) const;
+    // A x = b; x may be b.  Another solve for what rounding leaves of b makes that no smaller.
+    template <class Real>
+    void solve(const Real* b, Real* x);
 
     static constexpr uint32_t MOST_UNKNOWNS = 200000;
     static constexpr uint64_t MOST_ENTRIES = 200;
@@ -32,8 +34,7 @@ public:
 private:
     Done number_unknowns(const SignedMatrix& matrix, Call& call);
     Done find_tree(const SignedMatrix& matrix, Call& call, uint64_t& entries);
-    Done eliminate(const SignedMatrix& matrix, Call& call);
-    void apply(double* y) const;
+    Done eliminate(const SignedMatrix& matrix, Call& call, double shift);
 
     uint32_t n_ = 0;
     Array<uint32_t> unknown_, place_; // the k-th one that is eliminated, and k of each
@@ -41,6 +42,7 @@ private:
     Array<uint64_t> first_;           // n + 1; column k of L: row_[first_[k]], ..
     Array<uint32_t> row_;
     Array<double> entry_, diagonal_; // of L, of D
+    Array<double> y_;                // of solve(), in the order of elimination
 };
 
 } // namespace hmf

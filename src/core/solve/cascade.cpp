@@ -32,11 +32,7 @@ Done LevelWork::prepare() {
     const hmf_hierarchy& h = *state.hierarchy;
     const uint32_t coarser = state.level + 1 < h.level_count ? h.levels[state.level + 1].mesh.vertex_count : 0;
     if (!sweeps.prepare(state.foliation, rings, coarser, call)) return false;
-    const uint32_t n = state.foliation.mesh.vertex_count;
-    star.budget = n < steering::TINY_LEVEL  ? steering::BUDGET_ON_TINY_LEVEL
-                : n < steering::SMALL_LEVEL ? steering::BUDGET_PER_VERTEX * n
-                : n > steering::LARGE_LEVEL ? steering::BUDGET_ON_LARGE_LEVEL
-                                            : steering::SEARCH_BUDGET;
+    star.budget = steering::SEARCH_BUDGET;
     return true;
 }
 

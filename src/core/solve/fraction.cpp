@@ -1,7 +1,5 @@
 #include "fraction.hpp"
 
-#include "subdomain_solver.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -285,7 +283,7 @@ Done keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& mod
 }
 
 hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, ResidualResult& found) {
-    constexpr double accuracy = 1e-12, share = 0.25; // of the goal, from which on a vertex is a center
+    constexpr double share = 0.25; // of the goal, from which on a vertex is a center
     constexpr uint32_t all = UINT32_MAX - 1, rings_around[] = {0, 1, 2, 4, 8, 16, all};
     Call& call = work.call;
     Memory& memory = call.memory;
@@ -327,9 +325,9 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
                 number[v] = half ? NONE : 0;
                 if (half) model.d[v] = 0.5 * part[v];
             }
-            SubdomainSolver equations;
-            if (!equations.extract(model, number, Solver::direct, call, region.with.data())
-                || !equations.solve(model, accuracy, call))
+            DirectSolver equations;
+            if (!equations.extract(model.system(), number, call, region.with.data())
+                || !equations.solve(model.system(), call))
                 return call.stopped();
             std::memcpy(part.data(), model.d.data(), n * sizeof(double));
             for (const uint32_t v : model.bounded)

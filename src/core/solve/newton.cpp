@@ -11,13 +11,10 @@
 //      triangle (so the class is kept) and the energy decreases. Otherwise the vertices where it fails are fixed, or
 //      the step is halved
 //   4. moves near the singularities, where the model is not smooth
-// A level that has stalled continues with exactly solved steps, and moves of the remaining zeros. If the residual is
-// large in a part of the mesh only, 2 and 3 are done for the unknowns there (subdomain_solver.hpp).
+// A level that has stalled continues with exactly solved steps, and moves of the remaining zeros.
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
 #include "newton_policy.hpp"
-#include "subdomain_solver.hpp"
-#include "../linear/signed_multigrid.hpp"
 #include "newton_update.hpp"
 
 #include <algorithm>
@@ -29,10 +26,8 @@ namespace {
 
 class Newton {
 public:
-    // smooth_only: a few digits of the short waves are enough for the linear solves.
-    Newton(LevelWork& work, bool smooth_only) :
-        w_(work), f_(work.state.foliation), weight_(work.level.weight), step_(work, model_), smooth_only_(smooth_only) {
-    }
+    explicit Newton(LevelWork& work) :
+        w_(work), f_(work.state.foliation), weight_(work.level.weight), step_(work, model_) {}
 
     Done allocate() {
         Memory& memory = w_.call.memory;
@@ -79,13 +74,12 @@ public:
     }
 
     // Moves at the vertices within some rings of the zeros.
-    void relax_after_step(bool far) {
-        pick_near_zeros(far ? steering::FAR_RINGS : steering::NEAR_RINGS);
+    // late: a zero that has not arrived yet moves far, in a region where the foliation is nearly 0.
+    void relax_after_step(bool late) {
+        pick_near_zeros((late ? 2 : 1) * steering::NEAR_RINGS);
         const size_t n = f_.mesh.vertex_count, most = size_t{steering::MOVES_PER_VERTEX} * n / (picked_.size() + 1);
-        const size_t wanted = far ? steering::FAR_PASSES : steering::NEAR_PASSES;
-        // Not on a double, where what fades along a strip is found by these moves (test_weight_search.cpp).
-        zeros_everywhere_ = !w_.state.hierarchy->is_double()
-                         && static_cast<double>(picked_.size()) > steering::EVERYWHERE * static_cast<double>(n);
+        const size_t wanted = size_t{late ? 2u : 1u} * steering::NEAR_PASSES;
+        zeros_everywhere_ = static_cast<double>(picked_.size()) > steering::EVERYWHERE * static_cast<double>(n);
         const size_t passes = zeros_everywhere_ ? steering::LEAST_PASSES
                                                 : std::min(wanted, std::max(size_t{steering::LEAST_PASSES}, most));
         // The last pass in which a vertex has a reason to move; NONE: not picked.
@@ -114,15 +108,11 @@ public:
     // digits.
     bool limbs_were_wrong() const { return limbs_were_wrong_; }
 
-    // The residuals that the linear solves report are not accurate: with edges of weight 10^5 the rounding of single
-    // precision is a residual. Later solves compute the true one.
-    void check_solves() { checked_ = true; }
-
     // Steps to the minimum itself, whatever the residual: the remaining error is the rounding to the unit.
     hmf_status step_precisely() {
         Effort effort{};
-        effort.loose = effort.tight = steering::PRECISE_ACCURACY;
-        effort.close = effort.go_on = checked_ = true;
+        effort.loose = effort.tight = steering::TIGHTEST;
+        effort.close = effort.go_on = true;
         for (uint32_t i = 0; i < steering::PRECISE_STEPS; ++i) {
             if (!linearize()) return interrupted(w_.call);
             double accepted = 0;
@@ -131,22 +121,6 @@ public:
             if (accepted < 1) break;
         }
         return HMF_OK;
-    }
-
-    // Picks the vertices with a residual above this value, those near zeros, and some rings around all of them, for a
-    // local step; false: they are more than this share of all.
-    bool is_in_part(double residual, double share) {
-        pick_near_zeros(0);
-        for (uint32_t v = 0; v < model_.count; ++v)
-            if (distance_[v] == NONE && !model_.is_fixed[v]
-                && std::fabs(model_.right[v]) * static_cast<double>(model_.row_scale[v]) > residual) {
-                distance_[v] = 0;
-                picked_.add(v);
-            }
-        const size_t most = static_cast<size_t>(share * model_.count);
-        if (picked_.size() > most) return false;
-        grow_picked(steering::PART_RINGS);
-        return picked_.size() <= most;
     }
 
     // One move for each zero whose residual is above this value; false: none moved.
@@ -198,17 +172,10 @@ private:
     Done propose(const Effort& effort, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
         if (!w_.go_on()) return false;
-        part_step_ = effort.part;
-        if (part_step_) {
-            multigrid_.release_vectors();
-            if (!part_.extract(model_, distance_, Solver::multigrid, w_.call)) return false;
-        } else {
-            ++w_.statistics.linear_solve_count;
-        }
+        ++w_.statistics.linear_solve_count;
         tight = model_.is_exact();
         // On limbs that no loop goes around, the values decay below the error of a loose solve. The solve is then
         // continued as long as this reduces the number of extrema.
-        const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::FEW_EXTREMA_ON_DOUBLE : 0;
         uint64_t had = UINT64_MAX;
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::CONTINUED) {
             if (!solve_linear(accuracy, effort.residual)) return false;
@@ -216,7 +183,7 @@ private:
             std::memcpy(unbounded_.data(), model_.d.data(), model_.count * sizeof(double));
             set_bounded_values();
             if (!w_.go_on()) return false;
-            if (effort.go_on && !model_.is_exact() && (tight || zeros_stay())) {
+            if (effort.go_on && !model_.is_exact() && (tight || bounds_met_ == 0)) {
                 if (!tight) accuracy = effort.tight;
                 tight = true;
                 step_.restore();
@@ -225,17 +192,16 @@ private:
             }
             if (!w_.go_on()) return false;
             uint64_t extrema = step_.find_candidates();
-            if (had == UINT64_MAX) limbs_were_wrong_ = extrema > few_extrema;
-            if (extrema > few_extrema && !tight) {
+            if (had == UINT64_MAX) limbs_were_wrong_ = extrema > 0;
+            if (extrema > 0 && !tight) {
                 // Unknowns fixed at their bounds restrict their neighbors: start again from the unprojected solution.
                 step_.restore();
                 std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
                 set_bounded_values();
                 extrema = step_.find_candidates();
             }
-            if (extrema <= few_extrema || extrema >= had || accuracy < steering::END_OF_DOUBLES) return true;
+            if (extrema == 0 || extrema >= had || accuracy < steering::END_OF_DOUBLES) return true;
             had = extrema;
-            if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
             std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
         }
     }
@@ -263,11 +229,11 @@ private:
         // If the step went too far at a vertex, made extrema or moved zeros, the neighborhood there is fixed. If the
         // energy increases, too many bounds are active: the other unknowns are solved for again, as long as the
         // increase becomes smaller. If nothing helps, the whole step is shortened.
-        double factor = 1, rise = 0;
-        uint32_t radius = steering::FIRST_RINGS_HELD, solves = 0;
+        double factor = 1, rise = HUGE_VAL;
+        uint32_t radius = steering::FIRST_RINGS_HELD;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
         if (unchecked) lengthen(w_.options.unchecked);
-        for (uint32_t attempt = 0; attempt < steering::STEP_ATTEMPTS && factor > steering::LEAST_FACTOR; ++attempt) {
+        for (uint32_t attempt = 0; attempt < steering::STEP_ATTEMPTS; ++attempt) {
             step_.forget_too_far();
             if (attempt > 0) {
                 bounds_met_ = UINT64_MAX; // some are held
@@ -276,7 +242,7 @@ private:
                 step_.find_candidates();
             }
             step_.list_invalid(picked_);
-            const bool valid = step_.remove_extrema(factor, patch_) && (unchecked || step_.zeros_are_in_place());
+            const bool valid = step_.remove_extrema() && (unchecked || step_.zeros_are_in_place());
             if (!w_.go_on()) return interrupted(w_.call);
             if (valid) energy_change_ = step_.energy_change();
             if (valid && (unchecked || energy_change_ <= steering::ROUNDING_OF_ENERGY * model_.energy)) {
@@ -302,16 +268,12 @@ private:
                 tight = true;
                 if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
-            } else if (valid && !part_step_
-                       && (solves < steering::SOLVES_OF_A_STEP || energy_change_ < steering::RISE_GETS_LESS * rise)
-                       && (effort.close || energy_change_ < steering::CURABLE_RISE * model_.energy)) {
-                ++solves;
+            } else if (valid && energy_change_ < steering::RISE_GETS_LESS * rise) {
                 rise = energy_change_;
                 ++w_.statistics.linear_solve_count;
-                // Far from the minimum this model does not last, and the setup is for one without these bounds.
-                const double accuracy = effort.close ? effort.tight : steering::FIRST_ACCURACY;
-                if (!solve_between_bounds(accuracy, effort.residual)) return interrupted(w_.call);
-            } else if (step_.too_far() != NONE && attempt < steering::MENDING_ATTEMPTS) {
+                if (!solve_between_bounds(effort.close ? effort.tight : effort.loose, effort.residual))
+                    return interrupted(w_.call);
+            } else if (step_.too_far() != NONE) {
                 if ((attempt + 1) % steering::WIDEN_EVERY == 0) ++radius;
                 // Where the certificate judges, zeros may move: there one place at a time is held.
                 if (w_.gated || unchecked) picked_.clear();
@@ -326,11 +288,11 @@ private:
 
     // The values before the step are back, the step is not.  A step keeps the class if
     // each vertex has in each of its directions an edge that the step does not
-    // reverse: the others stay where they are from now on.  any: there are some, and not too many.
+    // reverse: the others stay where they are from now on.  any: there are some.
     Done fix_overturned(bool& any) {
         Array<uint32_t> held;
         held.start(w_.call.memory);
-        for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < steering::MOST_OVERTURNED; ++v) {
+        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
             const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
             const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
             // Runs between closed corners; the first one goes on at the end.
@@ -347,108 +309,27 @@ private:
             if (closed > 0) overturned |= !(here || first);
             if (overturned && !held.push(v)) return false;
         }
-        any = !held.empty() && held.size() < steering::MOST_OVERTURNED;
+        any = !held.empty();
         if (!any) return true;
         model_.fix_around(f_, w_.rings, held, 1, patch_, distance_);
         return true;
     }
 
-    LinearOptions stop_at(double residual) const {
+    // Continues from model_.d.
+    Done solve_linear(double accuracy, double residual, bool between_bounds = false) {
         LinearOptions options;
-        options.unchecked = !checked_; // the next linearization evaluates the step
-        if (residual > 0) options.row_scale = model_.row_scale.data();
         options.row_tolerance = residual;
-        return options;
-    }
-
-    // So many rows have changed that the old setup would be too slow.
-    bool has_changed_much() const {
-        const size_t rows = w_.call.parallel.sum_blocks<size_t>(model_.count, [&](size_t begin, size_t end) {
-            size_t sum = 0;
-            for (size_t v = begin; v < end; ++v) sum += model_.changed[v];
-            return sum;
-        });
-        return static_cast<double>(rows) > steering::CHANGED_SHARE * static_cast<double>(model_.count);
-    }
-
-    // Continues from model_.d.  The matrix of a level changes by signs near the
-    // zeros only: one setup is used for all its steps unless it needs too many iterations.
-    Done solve_linear(double accuracy, double residual) {
-        if (part_step_) return part_.solve(model_, accuracy, w_.call);
-        if (direct_) return solve_directly(false);
-        part_.release(); // which may have been most of the mesh
-        const SignedMatrix matrix = model_.matrix();
-        LinearOptions options = stop_at(residual);
-        if (multigrid_ready_ && !has_changed_much()) {
-            options.stop_if_too_slow = true;
-            if (!multigrid_.claim_vectors(w_.call.memory)) return false;
-            multigrid_.refresh(matrix, model_.changed.data(), w_.call.parallel);
-            model_.forget_changes(w_.call.parallel);
-            const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
-                                                         steering::ITERATIONS_WITH_OLD_SETUP, w_.call, options);
-            if (w_.call.cancelled() || w_.call.finishing()) return false;
-            if (result.converged) return true;
-            options.stop_if_too_slow = false;
-        }
-        multigrid_ready_ = false;
-        if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::MAX_LEVELS))
-            return false;
-        multigrid_ready_ = true;
-        model_.forget_changes(w_.call.parallel);
-        const LinearResult result = multigrid_.solve(
-            matrix, model_.right.data(), model_.d.data(), accuracy,
-            smooth_only_ ? steering::ITERATIONS_WITH_SMOOTHER : steering::ITERATIONS_WITH_NEW_SETUP, w_.call, options);
-        if (w_.call.cancelled() || w_.call.finishing()) return false;
-        if (smooth_only_ || !failed(result, accuracy)) return true;
-        direct_ = true;
-        return solve_directly(false);
-    }
-
-    bool failed(const LinearResult& result, double accuracy) const {
-        return !result.converged && result.residual > steering::FAILED_RESIDUAL
-            && result.residual > steering::FAILED_SHARE * accuracy && !w_.call.out_of_time();
-    }
-
-    // Used if the multigrid fails. held: solves for the unknowns that are not fixed.
-    Done solve_directly(bool held) {
-        ++w_.statistics.linear_solve_count;
-        for (uint32_t v = 0; v < model_.count; ++v) distance_[v] = 0;
-        for (size_t k = 0; held && k < model_.at_bounds.size(); ++k) distance_[model_.at_bounds[k]] = NONE;
-        multigrid_.release_vectors();
-        const bool done = part_.extract(model_, distance_, Solver::direct, w_.call)
-                       && part_.solve(model_, steering::TIGHTEST, w_.call);
-        part_.release();
-        return done;
+        options.fixed = between_bounds ? model_.at_bounds.data() : nullptr;
+        options.fixed_count = between_bounds ? model_.at_bounds.size() : 0;
+        return solver_.solve(model_.system(), model_.changed.data(), accuracy, options, w_.call);
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
     Done solve_between_bounds(double accuracy, double residual) {
-        for (uint32_t pass = 0; pass < steering::PASSES_BETWEEN_BOUNDS; ++pass) {
-            model_.fix_active();
-            LinearResult result;
-            if (!direct_) {
-                LinearOptions options = stop_at(residual);
-                options.fixed = model_.at_bounds.data();
-                options.fixed_count = model_.at_bounds.size();
-                if (!multigrid_.claim_vectors(w_.call.memory)) return false;
-                result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
-                                          steering::ITERATIONS_BETWEEN_BOUNDS, w_.call, options);
-                w_.statistics.linear_solve_count += pass > 0 && result.iterations > 0;
-                if (w_.call.cancelled() || w_.call.finishing()) return false;
-            }
-            if ((direct_ || failed(result, accuracy)) && !solve_directly(true)) return false;
-            const bool released = model_.release();
-            if (model_.project(f_, w_.rings, patch_, distance_) == 0 && !released) break;
-        }
-        return true;
-    }
-
-    // After a step: do the vertices that came to a bound stay there?  Then the
-    // model lasts.  Else they go on past it in the next step.
-    bool zeros_stay() {
         model_.fix_active();
-        for (uint32_t v : model_.at_bounds)
-            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > steering::BALANCED_SHARE) return false;
+        if (!solve_linear(accuracy, residual, true)) return false;
+        model_.release();
+        model_.project(f_, w_.rings, patch_, distance_);
         return true;
     }
 
@@ -457,15 +338,10 @@ private:
     const double* weight_;
     TwistedModel model_;
     NewtonUpdate step_;
-    SignedMultigrid multigrid_;
-    bool multigrid_ready_ = false;
-    bool zeros_everywhere_ = false, limbs_were_wrong_ = false, checked_ = false;
+    LinearSolver solver_;
+    bool zeros_everywhere_ = false, limbs_were_wrong_ = false;
     uint64_t bounds_met_ = UINT64_MAX; // by the last step
-    SubdomainSolver part_;
-    bool part_step_ = false; // the step in hand is one of the part
-    bool direct_ = false;    // the multigrid fails on this level
-    bool smooth_only_;
-    Array<double> unbounded_; // the solution of the model before it was brought into its bounds
+    Array<double> unbounded_;          // the solution of the model before it was brought into its bounds
     Array<uint32_t> patch_, distance_;
     Array<uint32_t> picked_; // vertices near zeros, or those that a step has made invalid
     bool backward_ = false;
@@ -478,53 +354,35 @@ bool is_good_start(const LevelPolicy& plan, const Newton& newton, double residua
         || (plan.cheap && newton.was_within_bounds() && residual <= steering::COARSEST_RESIDUAL_IN_PLACE);
 }
 
-// For the whole level, or a part of it.
-Effort next_effort(const LevelWork& work, const LevelPolicy& plan, Newton& newton, LocalSteps& parts, uint32_t round,
-                   double residual) {
-    Effort effort = effort_for(round, residual, plan.goal, plan.finest);
-    if (plan.finest && !work.gated && parts.are_worth_it(round, residual))
-        effort.part =
-            newton.is_in_part(std::max(steering::PART_RESIDUAL * residual, 0.5 * plan.goal),
-                              round < steering::EARLY_PART_ROUNDS ? steering::EARLY_PART_SHARE : steering::PART_SHARE);
-    parts.next(effort.part);
-    return effort.part ? effort_for_part(effort) : effort;
-}
-
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
     const LevelPolicy plan(work, tolerance);
     const bool finest = plan.finest;
     const double goal = plan.goal;
-    Newton newton(work, plan.smooth_only);
+    Newton newton(work);
     if (!newton.allocate()) return work.call.out_of_memory();
     newton.sweeps(plan.coarsest ? steering::COARSEST_SWEEPS : steering::FINER_SWEEPS);
     if (plan.sweep_only) return work.call.cancelled() || work.call.finishing() ? HMF_CANCELLED : HMF_OK;
     StallDetector progress;
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     UnitRefinement unit{!finest};
-    LocalSteps parts;
     uint32_t stalls_left = work.options.unchecked > 0 ? 0 : steering::STALLS;
     bool moves_wait = false, zeros_moved = false;
-    uint32_t failed = 0;   // steps in a row that were not taken whole
-    double tight_from = 0; // the residual before a tight step of the whole level within all bounds
+    uint32_t failed = 0; // steps in a row that were not taken whole
     for (uint32_t round = 0; round < plan.rounds; ++round) {
         if (!newton.linearize()) return interrupted(work.call);
         const TwistedModel& model = newton.model();
         // After a step that was solved for to the end moves are made only if it has not reached the goal.
         if (moves_wait && model.residual_max > goal) {
-            newton.relax_after_step(finest && round > steering::FAR_AFTER + 1);
-            if (round > steering::LATE_AFTER_TIGHT + 1) newton.sweeps(steering::LATE_SWEEPS);
+            newton.relax_after_step(finest && round > steering::LATE_AFTER + 1);
+            if (round > steering::LATE_AFTER + 1) newton.sweeps(steering::LATE_SWEEPS);
             if (!newton.linearize()) return interrupted(work.call);
         }
         moves_wait = false;
-        // Such a step should reduce the residual to almost nothing.
-        if (tight_from > 0 && model.residual_max > steering::LESS_RESIDUAL * tight_from) newton.check_solves();
-        tight_from = 0;
         if (work.call.finishing()) return HMF_CANCELLED;
         // The first step of a level needs no reason but on the last level.
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
-        if (plan.next_to_double && residual < steering::DOUBLE_RESIDUAL) return HMF_OK;
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
         if (residual <= goal || is_good_start(plan, newton, residual)) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
@@ -532,7 +390,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             return HMF_OK;
         }
         const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::PATIENCE_WITH_ZEROS) : unit.patience;
-        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, patience)) {
+        if (!progress.goes_on(residual, model.energy, patience)) {
             if (finest && unit.is_refined(work, goal, progress)) continue;
             if (!finest) return HMF_OK;
             if (const hmf_status status = newton.step_precisely()) return status;
@@ -551,24 +409,16 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         --steps_left;
         double accepted = 0;
         bool tight = false;
-        Effort effort = next_effort(work, plan, newton, parts, round, residual);
+        Effort effort = effort_for(round, residual, goal, finest);
         effort.close |= failed >= steering::FAILURES;
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
         failed = accepted < 1 ? failed + 1 : 0;
         zeros_moved = accepted == 1 && !newton.was_within_bounds();
-        if (effort.part) {
-            if (accepted < 1) ++parts.shortened;
-            newton.relax_after_step(false);
-            continue;
-        }
         moves_wait = accepted == 1 && tight && !plan.middle;
-        if (moves_wait && newton.was_within_bounds()) tight_from = residual;
         if (moves_wait) continue;
-        newton.relax_after_step(finest && round > steering::FAR_AFTER);
-        if (accepted == 1 && plan.middle && !(plan.next_to_double && round == 0) && !newton.limbs_were_wrong())
-            return HMF_OK; // it only provides a start
-        if (accepted < 1) newton.sweeps(steering::SWEEPS_AFTER_SHORT_STEP);
-        else if (round > steering::LATE_AFTER) newton.sweeps(steering::LATE_SWEEPS);
+        newton.relax_after_step(finest && round > steering::LATE_AFTER);
+        if (accepted == 1 && plan.middle && !newton.limbs_were_wrong()) return HMF_OK; // it only provides a start
+        if (accepted < 1 || round > steering::LATE_AFTER) newton.sweeps(steering::LATE_SWEEPS);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     if (!finest) return HMF_OK;

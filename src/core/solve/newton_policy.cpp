@@ -7,27 +7,12 @@ namespace hmf {
 Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
     Effort effort{};
     effort.close = residual < steering::CLOSE_RESIDUAL;
-    effort.tight = steering::FIRST_ACCURACY;
-    if (finest) {
-        effort.tight = std::max(steering::TIGHT_SHARE * goal / residual, steering::TIGHTEST);
-        effort.tight = std::min(effort.tight, steering::FIRST_ACCURACY);
-        effort.residual = goal
-                        * (residual > steering::LARGE_RESIDUAL ? steering::RESIDUAL_SHARE_AFTER_LARGE_STEP
-                                                               : steering::RESIDUAL_SHARE);
-    }
-    effort.loose = round == 0                                      ? steering::FIRST_ACCURACY
-                 : round < steering::LOOSE_ROUNDS || !effort.close ? steering::NEXT_ACCURACY
-                                                                   : effort.tight;
-    effort.loose = std::max(effort.loose, effort.tight);
+    effort.loose = steering::LOOSE_ACCURACY;
+    effort.tight = finest ? steering::TIGHTEST : steering::LOOSE_ACCURACY;
+    effort.residual = finest ? steering::RESIDUAL_SHARE * goal : 0;
     // As long as zeros move, the next model is another one: a tight solve
     // of this one would be wasted.
     effort.go_on = finest && round > 0;
-    return effort;
-}
-
-Effort effort_for_part(Effort effort) {
-    effort.go_on = false;
-    effort.tight = effort.loose = steering::PART_ACCURACY;
     return effort;
 }
 
@@ -49,24 +34,15 @@ bool UnitRefinement::is_refined(LevelWork& work, double goal, StallDetector& pro
     return unit_change.changed;
 }
 
-bool LocalSteps::are_worth_it(uint32_t round, double residual) {
-    const bool gains = residual < steering::PART_GAIN * before;
-    before = residual;
-    return round > 0 && shortened < steering::PARTS_SHORTENED && (in_a_row == 0 || gains)
-        && in_a_row < steering::PARTS_IN_A_ROW;
-}
-
 LevelPolicy::LevelPolicy(const LevelWork& work, double tolerance) {
     const size_t above = work.state.level - work.options.stop(); // levels that are still to come
     finest = above == 0;
     coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
     middle = !finest && !coarsest;
-    next_to_double = middle && work.state.hierarchy->is_double() && above <= steering::DOUBLE_LEVELS;
     const Level& last = work.state.hierarchy->levels[work.options.stop()];
     cheap = coarsest && steering::COARSEST_SHARE * work.level.mesh.vertex_count <= last.mesh.vertex_count;
     goal = finest ? tolerance : cheap ? steering::COARSEST_RESIDUAL : steering::MIDDLE_RESIDUAL;
     rounds = finest ? steering::FINEST_ROUNDS : coarsest ? steering::COARSEST_ROUNDS : steering::MIDDLE_ROUNDS;
-    smooth_only = middle && !next_to_double && above % steering::LONG_WAVES_EVERY != 0;
     sweep_only = middle && work.state.hierarchy->genus == 1 && work.level.mesh.marked_count == 0;
 }
 

@@ -14,12 +14,10 @@ struct Effort {
     double residual; // residual of [W] Eq. 4 at which any solve may stop; 0: none
     bool go_on;      // continue to a tight solve if the zeros stay
     bool close;      // near the minimum: worth the cost of a whole step
-    bool part;       // only vertices picked by Newton::is_in_part move
 };
 
 // residual: before the step.  goal: the tolerance on the finest level.
 Effort effort_for(uint32_t round, double residual, double goal, bool finest);
-Effort effort_for_part(Effort effort);
 
 // Detects stalls of a level.
 class StallDetector {
@@ -42,22 +40,11 @@ struct UnitRefinement {
     bool is_refined(LevelWork& work, double goal, StallDetector& progress);
 };
 
-// Local steps between those of the whole level, for zeros that move far along a limb, where values decay by orders of
-// magnitude, and for the residual that they leave: the rest of the mesh has already converged.
-struct LocalSteps {
-    uint32_t in_a_row = 0, shortened = 0;
-    double before = 0; // residual before the last step
-
-    bool are_worth_it(uint32_t round, double residual);
-    void next(bool part) { in_a_row = part ? in_a_row + 1 : 0; }
-};
-
 // The policy of a level: the minimum on the finest, a good start for the next level on the others.
 struct LevelPolicy {
-    bool finest, coarsest, middle, next_to_double, cheap = false;
+    bool finest, coarsest, middle, cheap = false;
     double goal;
     uint32_t rounds;
-    bool smooth_only; // long waves are reduced on other levels
     // A torus without marked vertices has no zeros, so one step is exact from any start: the levels in between only
     // separate vertices that splits have left together.
     bool sweep_only;

@@ -141,8 +141,7 @@ bool NewtonUpdate::check_candidates(Check check) {
     return true;
 }
 
-bool NewtonUpdate::remove_extrema(double factor, Array<uint32_t>& patch) {
-    if (factor == 1) relax_extrema(patch);
+bool NewtonUpdate::remove_extrema() {
     const uint32_t before = f_.epoch; // clusters with a later stamp have been examined
     bool moved = false;
     const bool removed = check_candidates([&](uint32_t v) {
@@ -155,39 +154,6 @@ bool NewtonUpdate::remove_extrema(double factor, Array<uint32_t>& patch) {
     });
     check_all_ |= moved;
     return removed;
-}
-
-// Vertices that have become extrema go to the mean of their neighbors.
-void NewtonUpdate::relax_extrema(Array<uint32_t>& patch) {
-    const Mesh& mesh = f_.mesh;
-    patch.clear();
-    for (uint32_t v : candidate_)
-        if (shape(v) == Shape::extremum) patch.add(v);
-    for (uint32_t round = 0; round < steering::ROUNDS_FOR_EXTREMA && !patch.empty(); ++round) {
-        const size_t had = patch.size();
-        for (size_t i = 0; i < had; ++i) {
-            const uint32_t v = patch[i];
-            if (model_.is_fixed[v]) continue;
-            model_.d[v] = model_.relaxed(v);
-            step_[v] = rounded(v, 1);
-            for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t)
-                set_value(edge_of(rings_.side[t].half_edge));
-        }
-        size_t end = had;
-        for (size_t i = 0; i < had; ++i) {
-            const uint32_t v = patch[i];
-            for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
-                const uint32_t u = rings_.neighbor[t];
-                add_candidate(u);
-                if (end < mesh.vertex_count && shape(u) == Shape::extremum) {
-                    patch.add(u);
-                    ++end;
-                }
-            }
-        }
-        for (size_t i = had; i < end; ++i) patch[i - had] = patch[i];
-        while (patch.size() > end - had) patch.pop();
-    }
 }
 
 bool NewtonUpdate::zeros_are_in_place() {

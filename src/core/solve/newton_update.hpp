@@ -38,8 +38,8 @@ public:
     uint64_t find_candidates();
     // Lists the candidates that become valid only by a move.
     void list_invalid(Array<uint32_t>& invalid) const;
-    // Removes the extrema among the candidates by moves; false if the step went too far. patch: space for all vertices.
-    bool remove_extrema(double factor, Array<uint32_t>& patch);
+    // Removes the extrema among the candidates by moves; false if the step went too far.
+    bool remove_extrema();
     // Every zero is where it was, or at the vertex that stopped at its branch
     // point.  Otherwise a zero and an extremum have appeared and vanished in between, and the class may have changed.
     bool zeros_are_in_place();
@@ -59,7 +59,6 @@ private:
     void add_candidate(uint32_t v);
     template <class Check>
     bool check_candidates(Check check);
-    void relax_extrema(Array<uint32_t>& patch);
 
     // Two steps and a value, and two of these sums, have no more than 63 bits.
     static constexpr double LARGEST_STEP = 2 * static_cast<double>(LARGEST_INNER_VALUE);

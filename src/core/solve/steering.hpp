@@ -25,16 +25,6 @@ constexpr uint32_t MIDDLE_ROUNDS = 3;
 // Sweeps of single moves before the first model.
 constexpr uint32_t COARSEST_SWEEPS = 3;
 constexpr uint32_t FINER_SWEEPS = 1;
-// The errors of a coarser level are short waves, which the smoother removes. Long waves add up over the levels, so
-// every third level solves for them too.
-constexpr size_t LONG_WAVES_EVERY = 3;
-// Zeros of a double lie near its holes, where a coarser level has another boundary. On this many levels next to the
-// finest the long waves are solved for, and again above this residual.
-constexpr size_t DOUBLE_LEVELS = 2;
-constexpr double DOUBLE_RESIDUAL = 0.3;
-// One or two extrema of a step are not on a limb but near the zeros, and are removed by moves.
-constexpr uint64_t FEW_EXTREMA_ON_DOUBLE = 2;
-
 // A round counts as progress if it halves the best residual, or lowers the energy by this relative amount.
 constexpr double LESS_RESIDUAL = 0.5;
 constexpr double LESS_ENERGY = 1e-9;
@@ -52,93 +42,50 @@ constexpr uint32_t STALLS = 8;
 constexpr double CLOSE_RESIDUAL = 1e-2;
 // Relative accuracy of the linear solves while zeros move: in the first round, and in the next ones. Higher accuracy is
 // useless, because the model changes.
-constexpr double FIRST_ACCURACY = 1e-2;
-constexpr double NEXT_ACCURACY = 1e-3;
-constexpr uint32_t LOOSE_ROUNDS = 3;
+constexpr double LOOSE_ACCURACY = 1e-2;
 // Accuracy once the zeros are in place: this share of the ratio of tolerance and residual, within limits. Usually the
 // goal for the residual is met first, a share of the tolerance. A large step changes the pulls by which the residual is
 // divided.
-constexpr double TIGHT_SHARE = 0.003;
-constexpr double TIGHTEST = 1e-11;
+constexpr double TIGHTEST = 1e-12;
 constexpr double RESIDUAL_SHARE = 0.5;
-constexpr double RESIDUAL_SHARE_AFTER_LARGE_STEP = 0.2;
-constexpr double LARGE_RESIDUAL = 0.1;
-// If a solve ends this far above its goal and above this residual, the multigrid has failed, and a direct solver is
-// used.
-constexpr double FAILED_RESIDUAL = 1e-9, FAILED_SHARE = 1e3;
 // Steps before sub-unit corrections are computed: to the minimum, whatever the residual.
-constexpr double PRECISE_ACCURACY = 1e-12;
 constexpr uint32_t PRECISE_STEPS = 2;
 // Values on limbs that no loop goes around decay below the error of a solve. The solve is continued with its tolerance
 // multiplied by this factor, down to the precision of doubles.
 constexpr double CONTINUED = 1e-4;
 constexpr double END_OF_DOUBLES = 1e-13;
 
-// Iterations of conjugate gradients with the setup of an earlier model: a new setup costs about ten, and needs a fifth
-// as many iterations after zeros have moved.
-constexpr uint32_t ITERATIONS_WITH_OLD_SETUP = 16;
-constexpr double CHANGED_SHARE = 0.01;              // of the rows: the old setup is not tried
-constexpr uint32_t ITERATIONS_WITH_NEW_SETUP = 200; // guard
-constexpr uint32_t ITERATIONS_WITH_SMOOTHER = 10;
-constexpr uint32_t ITERATIONS_BETWEEN_BOUNDS = 100; // guard
-constexpr uint32_t PASSES_BETWEEN_BOUNDS = 4;
 // A vertex is fixed at a bound if its pull is balanced up to this share, well above the error of a loose solve near the
 // minimum.
-constexpr double BALANCED_SHARE = 1e-4;
 
 // A step that fails is repeated with the vertices within some rings of the failure fixed. There is one ring more every
 // WIDEN_EVERY attempts; after MENDING_ATTEMPTS the whole step is halved.
 constexpr uint32_t STEP_ATTEMPTS = 24; // guard
-constexpr uint32_t MENDING_ATTEMPTS = 16;
 constexpr uint32_t FIRST_RINGS_HELD = 2;
 constexpr uint32_t WIDEN_EVERY = 4;
-constexpr double LEAST_FACTOR = 0.02;
-constexpr size_t MOST_OVERTURNED = 200; // vertices fixed for the class; if more: half the step
 // An increase of the energy below this share is rounding. Up to the second one, a solve between the bounds may remove
 // it.
 constexpr double ROUNDING_OF_ENERGY = 1e-17;
-constexpr double CURABLE_RISE = 1e-5;
-constexpr uint32_t SOLVES_OF_A_STEP = 2;
 constexpr double RISE_GETS_LESS = 0.7; // required for another solve
 // After this many shortened steps in a row, the next one is solved again whenever its energy increases.
 constexpr uint32_t FAILURES = 2;
-constexpr uint32_t ROUNDS_FOR_EXTREMA = 8;
 
 // Single moves near the zeros after a step: rings and passes. A zero that has not arrived after some rounds moves far,
 // in a region where the foliation is nearly 0.
 constexpr uint32_t NEAR_RINGS = 3, NEAR_PASSES = 20;
-constexpr uint32_t FAR_RINGS = 6, FAR_PASSES = 40;
-constexpr uint32_t FAR_AFTER = 2; // rounds
 // After the first pass a vertex is moved again only if it or a neighbor moved by more than this share of the residual.
 constexpr double NEGLIGIBLE_MOVE = 1e-3;
 // If zeros are nearly everywhere: at most this many moves for each vertex of the level, or this many passes.
 constexpr uint32_t MOVES_PER_VERTEX = 8, LEAST_PASSES = 4;
 constexpr double EVERYWHERE = 0.75; // of the vertices are picked: LEAST_PASSES
 // Sweeps over all vertices after a step that was shortened, and after late ones.
-constexpr uint32_t SWEEPS_AFTER_SHORT_STEP = 10;
 constexpr uint32_t LATE_SWEEPS = 2;
-constexpr uint32_t LATE_AFTER = 1, LATE_AFTER_TIGHT = 3; // rounds
-
-// If only a part of the mesh has more than this share of the largest residual, that part is solved for with some rings
-// around it: at most PART_SHARE of the vertices, fewer in early rounds. It is repeated as long as the residual falls by
-// PART_GAIN; otherwise the border of the part limits it. After this many shortened steps of a part, the whole level is
-// solved.
-constexpr double PART_RESIDUAL = 1e-3;
-constexpr uint32_t PART_RINGS = 4;
-constexpr double PART_SHARE = 0.6, EARLY_PART_SHARE = 0.15;
-constexpr uint32_t EARLY_PART_ROUNDS = 3;
-constexpr double PART_ACCURACY = 1e-6;
-constexpr double PART_GAIN = 0.1;
-constexpr uint32_t PARTS_IN_A_ROW = 20; // guard
-constexpr uint32_t PARTS_SHORTENED = 2;
+constexpr uint32_t LATE_AFTER = 1; // rounds
 
 // Vertices or steps that a search around a cluster may visit: all on a small level, few if there are many searches.
 // Sizes of levels in vertices.
-constexpr uint32_t TINY_LEVEL = 64, SMALL_LEVEL = 1024, LARGE_LEVEL = 100000;
-constexpr uint32_t BUDGET_ON_TINY_LEVEL = 512;
-constexpr uint32_t BUDGET_PER_VERTEX = 8; // of a small level
+constexpr uint32_t SMALL_LEVEL = 1024;
 constexpr uint32_t SEARCH_BUDGET = 8192;
-constexpr uint32_t BUDGET_ON_LARGE_LEVEL = 512;
 // The budget of all searches of a sweep together, per vertex of a level that is not small.
 constexpr uint32_t CREDIT_PER_VERTEX = 4;
 // Sweeps of single moves end after this many without a move, in both orders.

@@ -276,10 +276,6 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
     }
 }
 
-void TwistedModel::forget_changes(const Parallel& parallel) {
-    parallel.for_blocks(count, [&](size_t begin, size_t end) { std::memset(&changed[begin], 0, end - begin); });
-}
-
 // Edges from v to itself: both of their ends move.
 void TwistedModel::fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v) {
     double sum = 0;

@@ -22,7 +22,7 @@
 #pragma once
 
 #include "../foliation/whitehead.hpp"
-#include "../linear/signed_multigrid.hpp"
+#include "../linear/linear_solver.hpp"
 
 namespace hmf {
 
@@ -41,7 +41,7 @@ struct TwistedModel {
     const uint32_t* offset = nullptr; // count + 1
     const uint32_t* column = nullptr;
     Array<double> entry;
-    Array<uint8_t> changed;        // count, rows with other entries since forget_changes
+    Array<uint8_t> changed;        // count, rows with other entries since they were last solved for
     Array<double> diagonal, right; // count
     Array<int64_t> lower, upper;   // count, bounds of d; INT64_MIN and INT64_MAX where there is none
     Array<uint32_t> bounded;       // unknowns that have a bound, in any order
@@ -56,10 +56,10 @@ struct TwistedModel {
     Done linearize(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
     // Matrix and bounds, after linearize().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
-    void forget_changes(const Parallel& parallel);
     // After linearize(): lets a fixed zero move by less than a unit, as plan_move has planned it; step: of its sides.
     void set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, const int8_t* step,
                   double floor);
+    LinearSystem system() { return {matrix(), right.data(), d.data(), is_fixed.data(), row_scale.data(), is_exact()}; }
     SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
     // No zeros, hence no bounds: one step reaches the minimum.
     bool is_exact() const { return tripod.empty() && fixed_zeros.empty(); }
