@@ -123,7 +123,7 @@ private:
             any = loops_.count() < std::min(wanted_, first_loop + batch);
             if (any && !choose_beside(all, first_loop, any)) return call_.stopped();
         }
-        return lengths_.has_pulled() ? HMF_OK : shorten_loops(mesh_, position_, call_, loops_);
+        return lengths_.has_pulled() ? HMF_OK : shorten_loops(mesh_, position_, call_, loops_, first_loop);
     }
 
     // From the first choice on that was wrong.

@@ -16,7 +16,7 @@ public:
     Shortener(const Mesh& mesh, const double* position, Loops& loops, Call& call) :
         mesh_(mesh), call_(call), loops_(loops), geodesic_(mesh, position, 0, call) {}
 
-    hmf_status run() {
+    hmf_status run(size_t first) {
         Array<uint8_t> met; // per loop: its geodesic met another loop
         Memory& memory = call_.memory;
         found_.start(memory);
@@ -26,7 +26,7 @@ public:
         bool again = true;
         for (int sweep = 0; again && sweep < SHORTEN_SWEEPS; ++sweep) {
             again = false;
-            for (size_t c = 0; c < loops_.count(); ++c) {
+            for (size_t c = first; c < loops_.count(); ++c) {
                 if (!met[c]) continue;
                 if (!call_.tick(0, true)) return call_.was_cancelled();
                 bool taken = false;
@@ -63,9 +63,9 @@ private:
 
 } // namespace
 
-hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops) {
+hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops, size_t first) {
     Shortener shortener(mesh, position, loops, call);
-    return shortener.run();
+    return shortener.run(first);
 }
 
 } // namespace hmf
