@@ -47,8 +47,8 @@ enum class RootReach : uint8_t { near, far };
 [[nodiscard]] hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
                                     Loops& out);
 
-// Shortens simple disjoint loops within their classes, from loop `first` on; they stay disjoint, in their order and with
-// their directions.
+// Shortens simple disjoint loops within their classes, from loop `first` on; they stay disjoint, in their order and
+// with their directions.
 [[nodiscard]] hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops,
                                        size_t first = 0);
 
