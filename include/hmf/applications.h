@@ -14,9 +14,9 @@
  *
  * The rules of hmf.h apply.  Every result is one structure with counts and flat
  * arrays in one block: free it with hmf_free.  The same input gives the same bits on
- * every machine and for any number of threads.  hmf_solve and hmf_relax store the solved
- * foliation, which calls that need a harmonic foliation use; for other foliations they
- * start from the values.
+ * every machine and for any number of threads.  Calls that need a harmonic foliation use
+ * the one that hmf_solve or hmf_relax has stored; for any other foliation they start from
+ * its values.  Classes of errors (100, 200, ...) are those of hmf_status in hmf.h.
  *
  * docs/loops.md, docs/quads.md, docs/atlas.md and docs/mathematics.md explain how
  * results are found.
@@ -37,9 +37,9 @@ extern "C" {
 /* One component of a mesh, and where it lies in the arrays of hmf_component_set: the
    first entry (first_*) and the number of entries. */
 typedef struct hmf_component {
-    hmf_status status;           /* what hmf_hierarchy_create returns for it, with your mollify and marked vertices and
-                                    otherwise default options: HMF_OK, HMF_ERROR_MESH_GENUS (it carries no
-                                    foliation), or what is wrong with it */
+    hmf_status status;           /* the status of hmf_hierarchy_create for this component alone, with your mollify, your
+                                    marked vertices and defaults otherwise: HMF_OK, HMF_ERROR_MESH_GENUS (it carries
+                                    no foliation), or what is wrong with it */
     int32_t element;             /* HMF_ELEMENT_* that is wrong */
     uint64_t index;              /* of the element, in the whole mesh */
     uint64_t genus;              /* this and boundary_count: 0 unless status is HMF_OK or HMF_ERROR_MESH_GENUS */
@@ -106,8 +106,8 @@ typedef struct hmf_component_set {
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_MESH_COUNTS, HMF_ERROR_MESH_INDEX (also for a
  * marked vertex that does not exist), or an error of classes 100, 200.
  *
- * Each component is checked as by hmf_hierarchy_create; a defect is its status, not
- * an error of this call.  Elements of a component keep the order of the whole mesh.
+ * Each component is checked as by hmf_hierarchy_create; a defect is reported in its status,
+ * not as an error of this call.  Elements of a component keep the order of the whole mesh.
  * Edges are numbered as on level 0.  Vertices without a triangle belong to no component.
  */
 HMF_API hmf_status hmf_components(const double *positions, size_t vertex_count, const uint32_t *triangles,
@@ -134,9 +134,8 @@ typedef struct hmf_mark_set {
  *
  * A sphere gets two at the tip of each limb (a protrusion), so that loops can go around
  * it: 4 to 24 vertices.  A disk gets four on its boundary, at corners where there are
- * some; if its boundary is short, it is treated as a sphere.  Several components get
- * theirs one by one; a component that is wrong gets none.  Surfaces that need no marked
- * vertices get none.
+ * some; if its boundary is short, it is treated as a sphere.  Each component gets its own;
+ * an invalid component, and a surface that needs no marked vertices, gets none.
  *
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300 other than
  * HMF_ERROR_MESH_COMPONENTS and HMF_ERROR_MESH_GENUS.
@@ -151,25 +150,25 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
 
 /* Which loops to make. */
 typedef enum hmf_loops_kind {
-    HMF_LOOPS_CUT = 1,           /* as many loops as the genus; cut along them, the surface is one sphere with holes. On
-                                    genus 0: around pairs of marked vertices */
-    HMF_LOOPS_HANDLE = 2,        /* as CUT, with loops that bound inside the solid: they go around the handles */
-    HMF_LOOPS_TUNNEL = 3,        /* as CUT, with loops that bound outside: they go around the holes */
-    HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked vertices loops (one on a torus without marked vertices);
-                                    cut along them, the surface falls into spheres with three holes (pairs of pants),
-                                    where a marked vertex counts as a hole */
+    HMF_LOOPS_CUT = 1,           /* as many loops as the genus; cut along them, the surface is one sphere with holes. In
+                                    genus 0: loops around pairs of marked vertices instead */
+    HMF_LOOPS_HANDLE = 2,        /* like CUT, but each loop bounds a surface inside the solid, around a handle */
+    HMF_LOOPS_TUNNEL = 3,        /* like CUT, but each loop bounds a surface outside, around a tunnel */
+    HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked_count loops (one on a torus without marked vertices); cut
+                                    along them, the surface splits into spheres with three holes (pairs of pants), where
+                                    a marked vertex counts as a hole */
 } hmf_loops_kind;
-/* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many loops as the genus.  On
-   genus 0 with marked vertices inside, these go around two of them, or around one and a boundary.  A disk with fewer
-   than two marked vertices inside has arcs instead, each around two neighboring marked vertices of the boundary.
-   PANTS has as many loops and arcs as the double can have, mirror images included.  HANDLE and TUNNEL:
-   HMF_ERROR_MESH_BOUNDARY. */
+/* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many others as the genus.  In
+   genus 0 with marked vertices inside, the others go around two of them, or around one and a boundary.  A disk with
+   fewer than two marked vertices inside has arcs instead, each around two neighboring marked vertices of the boundary.
+   PANTS has as many loops and arcs as fit: together with their mirror images they are a pants decomposition of the
+   double (the surface glued to its mirror image).  HANDLE and TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
 
 /*
- * Chooses loops on a level, as loops of triangles: simple, disjoint, essential, pairwise
- * not freely homotopic, and short.
+ * Chooses loops on a level, as loops of triangles: simple, disjoint, essential (not trivial,
+ * see docs/boundary.md), pairwise not freely homotopic, and short.
  *
- *   level   any; with boundary 0, otherwise HMF_ERROR_LEVEL
+ *   level   any level; on a surface with boundary only 0, others return HMF_ERROR_LEVEL
  *   kind    HMF_LOOPS_*
  *   out     loops for hmf_solve, with weights NULL (all 1); free with hmf_free
  *
@@ -186,18 +185,18 @@ typedef enum hmf_loops_kind {
  *                                not determine a loop; use a finer level
  *   an error of classes 100, 200
  *
- * The classes depend on the mesh alone, not on the options of the hierarchy, and loop c is
- * in the same class on every level.  If ratio, collapse or coarsest differ from the
- * defaults, the call builds a second hierarchy for a while, with the time and memory of
- * hmf_hierarchy_create.  docs/loops.md describes how loops are chosen, and how stable
- * they are under remeshing.
+ * The classes depend only on the mesh and its marked vertices, not on the other options of
+ * the hierarchy, and loop number c is in the same class on every level.  If ratio, collapse
+ * or coarsest differ from the defaults, the call builds a temporary second hierarchy, which
+ * takes the time and memory of hmf_hierarchy_create.  docs/loops.md describes how loops are
+ * chosen, and how stable they are under remeshing.
  */
 HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind, const hmf_control *control,
                              hmf_loop_set **out, hmf_error *error);
 
 /*
  * Calls hmf_solve with the loops of HMF_LOOPS_CUT and weights 1.  options->start must be
- * NULL, otherwise HMF_ERROR_OPTIONS.  Returns as hmf_loops and hmf_solve.
+ * NULL, otherwise HMF_ERROR_OPTIONS.  Returns what hmf_loops and hmf_solve return.
  */
 HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hmf_solve_options *options,
                                         const hmf_control *control, hmf_foliation **out, hmf_error *error);
@@ -208,15 +207,15 @@ HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hm
 
 typedef struct hmf_design_options {
     uint32_t struct_size;
-    int32_t no_poles;            /* 1: mark no vertices other than those of `build`, except on a sphere, and on a disk
-                                    for which `build` has none. 0: default. Others: HMF_ERROR_OPTIONS */
+    int32_t no_poles;            /* 1: add no marked vertices to those of `build`. Exceptions: a sphere, and a disk for
+                                    which `build` has none. 0: default. Others: HMF_ERROR_OPTIONS */
     const hmf_hierarchy_options *build; /* NULL = defaults. Used: position_stride, mollify, memory_limit, allocator, and
                                     marked vertices, which become part of the design */
-    uint64_t solve_limit;        /* effort of the search, about the number of solves of a mesh of 1000 vertices (3 ms
-                                    each); 0 = chosen by the size of the mesh. It may be exceeded by a few solves */
+    uint64_t solve_limit;        /* limit of the search, in units of one solve of a mesh of 1000 vertices (about 3 ms);
+                                    0 = chosen from the size of the mesh. A few more solves are possible */
 } hmf_design_options;
 
-/* The defaults, see hmf_control_init. */
+/* Sets the defaults, see hmf_control_init. */
 HMF_API void hmf_design_options_init(hmf_design_options *options, uint32_t struct_size);
 
 /* Marked vertices, loops and weights of an even design, in one block. */
@@ -227,10 +226,10 @@ typedef struct hmf_design {
     const uint32_t *marked_vertices; /* marked_count, for hmf_hierarchy_options */
     const hmf_loop_set *loops;   /* triangle loops of level 0, for hmf_solve on a hierarchy with these marked vertices.
                                     Weights are whole numbers, so that patterns of period 1 match everywhere. A weight
-                                    of 1 is about 1/44 of the diagonal of the bounding box. Part of this block: do
-                                    not free it */
+                                    of 1 gives a strip of leaves about 1/44 of the diagonal of the bounding box wide.
+                                    Part of this block: do not free it */
     double unevenness;           /* estimate for this design, see hmf_scale */
-    double unevenness_before;    /* estimate for HMF_LOOPS_CUT with weights 1 (genus 0: with marked vertices) */
+    double unevenness_before;    /* estimate for HMF_LOOPS_CUT with weights 1 (in genus 0 with marked vertices) */
     uint64_t solves;             /* number of small solves that the search made */
 } hmf_design;
 
@@ -248,12 +247,12 @@ typedef struct hmf_design {
  *
  * Tips of limbs (protrusions) that no loop goes around may be marked, because the scale
  * decays there.  The loops are those of HMF_LOOPS_PANTS or HMF_LOOPS_CUT on the surface
- * with its marked vertices, without those of weight 0.  With boundary, marked vertices are
- * those of options->build or of hmf_suggest_marks; if there are none, marked tips are used
- * only where they make the scale more even.
+ * with its marked vertices, without those of weight 0.  With boundary, the marked vertices
+ * are those of options->build or, without any, those of hmf_suggest_marks.  If that gives
+ * none, tips are marked only where this makes the scale more even.
  *
- * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found, or an
- * error as hmf_hierarchy_create.
+ * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found, or an error
+ * of hmf_hierarchy_create.
  */
 HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count, const uint32_t *triangles,
                                    size_t triangle_count, const hmf_design_options *options,
@@ -269,10 +268,10 @@ typedef struct hmf_parameterize_options {
     double tolerance;            /* largest residual that is accepted, default 1e-2; above it
                                     HMF_ERROR_VALUE_NOT_HARMONIC */
     const uint32_t *seam_edges;  /* seam_edge_count edges of the level along which to cut by preference; NULL = none */
-    uint64_t seam_edge_count;    /* with seam_edges NULL, or an edge that does not exist: HMF_ERROR_OPTIONS */
+    uint64_t seam_edge_count;    /* nonzero with seam_edges NULL, or an edge that does not exist: HMF_ERROR_OPTIONS */
 } hmf_parameterize_options;
 
-/* The defaults, see hmf_control_init. */
+/* Sets the defaults, see hmf_control_init. */
 HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options, uint32_t struct_size);
 
 typedef struct hmf_parameterization {
@@ -282,11 +281,12 @@ typedef struct hmf_parameterization {
     uint64_t edge_count;
     uint64_t triangle_count;
     const double *corner_uv;     /* triangle_count x 3 x 2: (u, v) of each corner */
-    const double *transition;    /* edge_count x 3: sign, du, dv; see below */
+    const double *transition;    /* edge_count x 3: sign, a, b; see below */
     const uint8_t *seam;         /* edge_count: 1 on seams, where the (u, v) of the two sides differ */
     const int32_t *cone;         /* vertex_count: cone angle as a multiple of pi, 2 = regular */
     const double *dilatation;    /* triangle_count: ratio of the singular values of the map, >= 1; negative if the image
-                                    is flipped; infinite if degenerate: above 1000, or too small to measure */
+                                    is flipped; infinite if the triangle is degenerate: a ratio above 1000, or an
+                                    image too small to measure */
     const double *differential;  /* triangle_count x 2: quadratic differential, real and imaginary part */
     double dilatation_mean;      /* mean of the absolute values, weighted by area, without degenerate triangles */
     double dilatation_median;    /* quantiles by area of the absolute values; degenerate triangles are infinite */
@@ -314,36 +314,37 @@ typedef struct hmf_parameterization {
  *   out         free with hmf_free
  *
  * The surface is cut along short seams through the zeros; each corner of the cut surface
- * has one (u, v).  If a point of an edge has (u, v) in the first of its two triangles (the
- * one with the lower number), it has in the second one
+ * has one (u, v).  If a point of an edge has coordinates (u, v) in the first of its two
+ * triangles (the one with the lower number), then its coordinates in the second one are
  *
- *     (u', v') = sign * (u, v) + (du, dv),      sign = +1 or -1.
+ *     (u', v') = sign * (u, v) + (a, b),        sign = +1 or -1.
  *
  * This holds exactly: all numbers are multiples of one power of two, and less than 2^53
  * times it.  Edges that are not seams, and boundary edges, have (1, 0, 0).  The square
  * (du + i dv)^2 does not depend on the sign, so it is the same on both sides of a seam: the
  * holomorphic quadratic differential.  It is given per triangle as the square of
- * d(u + i v) / dz, in squared units of the values / the positions, where z = x + i y in the
+ * d(u + i v) / dz, in the unit (values / positions) squared, where z = x + i y in the
  * frame of the triangle: x along its side 0, y to the left of it.
  *
  * Zeros in triangles are moved to vertices that are not marked, at most one to a vertex;
  * near the zeros u differs from the foliation accordingly.  A zero of order m has the cone
- * angle (2 + m) * pi, a marked vertex with one prong has pi, and the sum of (2 - cone) is
- * 4 - 4 * genus.  At a vertex of the boundary the cone angle is that of the double: 2 where the
+ * angle (2 + m) * pi, a marked vertex that is a pole has pi, and the sum of (2 - cone) is
+ * 4 - 4 * genus.  (The indices of hmf_singularities are one less at each marked vertex.)
  * boundary is straight, 1 at a corner of 90 degrees.  Triangles where the foliation is 0
  * (on limbs that no loop goes around) are degenerate.
  *
  * Before the result is returned it is checked: u is harmonic and constant along the closed
  * leaves, du and dv are closed in every triangle, the linear solves have converged, energies,
  * areas and circumferences are within the bounds above, and the sum of the absolute areas of
- * the triangles is at most 1.5 times the energy of the foliation, so nothing is folded.
- * Cylinders thinner than the triangles, of which zeros have crossed every leaf on their way to
- * vertices, count as one, with the area that the others leave of the energy of du.
+ * the triangles is at most 1.5 times the energy of the foliation, so no large part is folded;
+ * flipped_count counts what is.  When a cylinder is thinner than the triangles, zeros may have
+ * crossed all of its leaves on their way to vertices.  All such cylinders are checked together
+ * as one, whose area is the energy of du minus the areas of the other cylinders.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
- * 200, 500, or HMF_ERROR_UNSUPPORTED: the mesh is too coarse (it has no vertex for each zero,
- * or moving the zeros changes more than these bounds), or the linear systems could not be
- * solved accurately enough.
+ * 200, 500, or HMF_ERROR_UNSUPPORTED: the mesh is too coarse (it has too few vertices for its
+ * zeros, or moving the zeros exceeds these bounds), or the linear systems could not be solved
+ * accurately enough.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
                                     const hmf_control *control, hmf_parameterization **out, hmf_error *error);
@@ -358,8 +359,7 @@ typedef struct hmf_scale {
     uint64_t triangle_count;     /* of the level */
     const double *log_scale;     /* triangle_count: natural logarithm of |grad u| on each triangle, where |du| is the
                                     foliation: the local scale of a conformal (u, v), in the unit of the values / the
-                                    unit of the positions. Values more than 16.1 below the largest are raised to
-                                    that */
+                                    unit of the positions. Entries below (the largest - 16.1) are set to that */
     double unevenness;           /* standard deviation of log_scale over the surface (scale distortion); 0 if the scale
                                     is constant */
 } hmf_scale;
@@ -410,7 +410,7 @@ typedef struct hmf_trace_options {
     uint32_t reserved;           /* 0 */
 } hmf_trace_options;
 
-/* The defaults, see hmf_control_init. */
+/* Sets the defaults, see hmf_control_init. */
 HMF_API void hmf_trace_options_init(hmf_trace_options *options, uint32_t struct_size);
 
 typedef struct hmf_line {
@@ -539,7 +539,7 @@ typedef struct hmf_quad_options {
                                     vertices stay on their leaves */
 } hmf_quad_options;
 
-/* The defaults, see hmf_control_init. */
+/* Sets the defaults, see hmf_control_init. */
 HMF_API void hmf_quad_options_init(hmf_quad_options *options, uint32_t struct_size);
 
 typedef struct hmf_quad_mesh {
@@ -614,7 +614,7 @@ typedef struct hmf_atlas_options {
                                     half of it is left free along the border; 0 = 1/512 */
 } hmf_atlas_options;
 
-/* The defaults, see hmf_control_init. */
+/* Sets the defaults, see hmf_control_init. */
 HMF_API void hmf_atlas_options_init(hmf_atlas_options *options, uint32_t struct_size);
 
 typedef struct hmf_chart_set {
