@@ -1,7 +1,7 @@
 // Parameterization: against the known conformal modulus of a torus, exact
 // transitions and cone angles by independent sums, convergence under
 // refinement, invariance under intrinsic flips, scaling laws, refusals.
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -389,13 +389,13 @@ TEST(Parameterize, ArraysAreAligned) { // where the counts are odd
 // The second call finds what the first has left; calls at the same time, of
 // which all but one are too late to leave anything, give the same and keep nothing.
 TEST(Parameterize, IsSharedByCallsAtTheSameTime) {
-    Meter meter;
+    WatchedHost watched;
     {
-        const Hierarchy hierarchy(pretzel(2, 3), meter.options(300));
+        const Hierarchy hierarchy(pretzel(2, 3), watched.options(300));
         ASSERT_TRUE(hierarchy);
         const Solution s = harmonic(hierarchy);
         ASSERT_LE(s.report.residual_max, 1e-8);
-        const uint64_t before = meter.used;
+        const uint64_t before = watched.used;
         Flat second;
         struct Beside {
             const Foliation& foliation;
@@ -414,17 +414,17 @@ TEST(Parameterize, IsSharedByCallsAtTheSameTime) {
         control.struct_size = sizeof control;
         control.progress = Beside::call;
         control.progress_user = &beside;
-        const uint64_t calls = meter.calls;
+        const uint64_t calls = watched.calls;
         const Flat first = parameterize(s.foliation, nullptr, &control);
         ASSERT_TRUE(beside.done);
-        const uint64_t both = meter.calls - calls, kept = meter.used - before;
+        const uint64_t both = watched.calls - calls, kept = watched.used - before;
         const Flat third = parameterize(s.foliation);
         EXPECT_EQ(first.uv, second.uv);
         EXPECT_EQ(first.uv, third.uv);
-        EXPECT_EQ(meter.used - before, kept); // one flat surface
-        EXPECT_LT(3 * (meter.calls - calls - both), both);
+        EXPECT_EQ(watched.used - before, kept); // one flat surface
+        EXPECT_LT(3 * (watched.calls - calls - both), both);
     }
-    EXPECT_EQ(meter.used, 0u);
+    EXPECT_EQ(watched.used, 0u);
 }
 
 // A limb that no loop goes around: what is known there is less than rounding.

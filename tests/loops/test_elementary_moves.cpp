@@ -1,5 +1,5 @@
 // Elementary moves of pants decompositions, and the components that they are made in.
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -169,22 +169,22 @@ TEST(ElementaryMoves, AllocationsMayFail) {
     surface.find(surface.stretched(0, 5).data(), pants);
     uint64_t all = 0, tried = 0;
     for (uint64_t fail = 0; fail == 0 || fail <= all; fail += fail < 40 ? 1 : 1 + all / 150) {
-        Meter meter;
+        WatchedHost watched;
         {
-            hmf::Memory memory(Meter::take, Meter::give, &meter, 0);
+            hmf::Memory memory(WatchedHost::take, WatchedHost::give, &watched, 0);
             hmf_error error{};
             hmf::Call call(memory, &error, nullptr, nullptr);
             hmf::Loops loops;
             ASSERT_TRUE(loops.copy_from(pants, memory));
             hmf::ClassLengths lengths(surface.mesh(), surface.position(), call);
-            meter.fail = fail ? meter.calls + fail : 0;
-            const uint64_t before = meter.calls;
+            watched.fail = fail ? watched.calls + fail : 0;
+            const uint64_t before = watched.calls;
             const hmf_status status = hmf::shorten_by_moves(surface.mesh(), surface.position(), lengths, call, loops);
             EXPECT_EQ(status, fail ? HMF_ERROR_MEMORY : HMF_OK) << fail;
-            if (!fail) all = meter.calls - before;
+            if (!fail) all = watched.calls - before;
             tried += fail > 0;
         }
-        EXPECT_EQ(meter.used, 0u) << fail;
+        EXPECT_EQ(watched.used, 0u) << fail;
     }
     EXPECT_GT(tried, 100u);
 }

@@ -1,6 +1,6 @@
 // Extreme inputs: how much work lies between two calls of the progress function, and how it grows with the input.
 #include "support/extreme_surfaces.hpp"
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/surface.hpp"
 #include "work/count_blocks.hpp"
 

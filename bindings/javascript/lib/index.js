@@ -4,11 +4,11 @@ import { Module } from './module.js';
 import { Hierarchy, evenDesign, memoryEstimate, suggestMarks } from './hierarchy.js';
 import { components, solveComponents } from './components.js';
 import { Foliation } from './foliation.js';
-import { cylinders } from './uses/cylinders.js';
-import { parameterize } from './uses/parameterize.js';
-import { quads } from './uses/quads.js';
-import { atlas } from './uses/atlas.js';
-import { trace } from './uses/trace.js';
+import { cylinders } from './applications/cylinders.js';
+import { parameterize } from './applications/parameterize.js';
+import { quads } from './applications/quads.js';
+import { atlas } from './applications/atlas.js';
+import { trace } from './applications/trace.js';
 import { wholeNumber } from './arguments.js';
 import { statusName } from './error.js';
 

@@ -81,7 +81,7 @@ test('files import without circles, and what hmf.h has without what applications
     };
     visit(new URL('index.js', lib).href, []);
     for (const name of readdirSync(lib).filter(file => file.endsWith('.js') && file !== 'index.js'))
-        assert.deepEqual(imports(new URL(name, lib)).filter(url => url.includes('/uses/')), [], name);
+        assert.deepEqual(imports(new URL(name, lib)).filter(url => url.includes('/applications/')), [], name);
 });
 
 test('the package has the version of the header', async () => {

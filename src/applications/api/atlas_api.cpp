@@ -4,7 +4,7 @@
 #include "../atlas/check_atlas.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../../core/api/result.hpp"
-#include "use_entry.hpp"
+#include "application_entry.hpp"
 
 using namespace hmf;
 
@@ -45,7 +45,7 @@ extern "C" void hmf_atlas_options_init(hmf_atlas_options* options, uint32_t stru
 
 extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_options* options,
                                 const hmf_control* control, hmf_chart_set** out, hmf_error* error) {
-    UseEntry entry(foliation, control, error);
+    ApplicationEntry entry(foliation, control, error);
     Call& call = entry.call;
     hmf_atlas_options all;
     if (entry.check(out) || read_options(options, all, "hmf_atlas_options", call)) return call.status();

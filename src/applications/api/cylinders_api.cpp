@@ -4,7 +4,7 @@
 #include "../cylinders/to_minimum.hpp"
 #include "../../core/api/read_loop_set.hpp"
 #include "../../core/api/result.hpp"
-#include "use_entry.hpp"
+#include "application_entry.hpp"
 
 #include <cmath>
 
@@ -54,7 +54,7 @@ hmf_status check_sum_of_areas(const Array<hmf_cylinder>& list, const State& solv
 
 extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loops,
                                     const hmf_control* control, hmf_cylinder_set** out, hmf_error* error) {
-    UseEntry entry(foliation, control, error);
+    ApplicationEntry entry(foliation, control, error);
     Call& call = entry.call;
     if (entry.check(out)) return call.status();
     const hmf_hierarchy& h = *foliation->hierarchy;

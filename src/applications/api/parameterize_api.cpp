@@ -2,7 +2,7 @@
 #include "../loops/library_loops.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../../core/api/result.hpp"
-#include "use_entry.hpp"
+#include "application_entry.hpp"
 #include "write_parameterization.hpp"
 
 using namespace hmf;
@@ -47,7 +47,7 @@ extern "C" void hmf_parameterize_options_init(hmf_parameterize_options* options,
 
 extern "C" hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameterize_options* options,
                                        const hmf_control* control, hmf_parameterization** out, hmf_error* error) {
-    UseEntry entry(foliation, control, error);
+    ApplicationEntry entry(foliation, control, error);
     Call& call = entry.call;
     hmf_parameterize_options all;
     if (entry.check(out) || read_options(options, all, "hmf_parameterize_options", call)) return call.status();

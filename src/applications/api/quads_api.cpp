@@ -2,7 +2,7 @@
 #include "../quads/fit_quads.hpp"
 #include "../quads/sized_quads.hpp"
 #include "../../core/api/result.hpp"
-#include "use_entry.hpp"
+#include "application_entry.hpp"
 
 #include <cmath>
 
@@ -38,7 +38,7 @@ extern "C" void hmf_quad_options_init(hmf_quad_options* options, uint32_t struct
 
 extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* options,
                                 const hmf_control* control, hmf_quad_mesh** out, hmf_error* error) {
-    UseEntry entry(foliation, control, error);
+    ApplicationEntry entry(foliation, control, error);
     Call& call = entry.call;
     hmf_quad_options all;
     if (entry.check(out) || read_quad_options(options, *foliation, all, call)) return call.status();

@@ -4,7 +4,7 @@
 #include "../lines/trace.hpp"
 #include "../cylinders/to_minimum.hpp"
 #include "../../core/api/result.hpp"
-#include "use_entry.hpp"
+#include "application_entry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -169,7 +169,7 @@ extern "C" void hmf_trace_options_init(hmf_trace_options* options, uint32_t stru
 
 extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* options,
                                 const hmf_control* control, hmf_lines** out, hmf_error* error) {
-    UseEntry entry(foliation, control, error);
+    ApplicationEntry entry(foliation, control, error);
     Call& call = entry.call;
     if (entry.check(out)) return call.status();
     const Level& level = foliation->hierarchy->levels[foliation->level];

@@ -10,7 +10,7 @@
 
 #include "src/core/linear/signed_multigrid.hpp"
 #include "support/signed_system.hpp"
-#include "support/unruly_threads.hpp"
+#include "support/adversarial_scheduler.hpp"
 
 namespace test_signed_multigrid {
 
@@ -361,7 +361,7 @@ TEST(SignedMultigrid, SameBitsWithThreads) {
         const std::vector<double> expected = run({}, false);
         EXPECT_EQ(run({}, true), expected);
         for (const uint32_t workers : {2, 7}) {
-            test::UnrulyThreads host(workers, random.next());
+            test::AdversarialScheduler host(workers, random.next());
             EXPECT_EQ(run(host.lend(), workers == 2), expected) << round << ", " << workers;
             EXPECT_EQ(host.violations, 0u);
             EXPECT_GT(host.calls, 0u);

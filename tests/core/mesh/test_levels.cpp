@@ -1,7 +1,7 @@
 // The hierarchy as the interface shows it: numbering, counts, weights,
 // positions, ratio, memory.
 #include "support/extreme_surfaces.hpp"
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/surface.hpp"
 #include "support/tubes.hpp"
 
@@ -236,16 +236,16 @@ TEST(Levels, BuildIsDeterministicAndFreeOfUnits) {
 TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
     for (const auto& sample : sample_meshes()) {
         SCOPED_TRACE(sample.first);
-        Meter meter;
-        const hmf_hierarchy_options options = meter.options(0);
+        WatchedHost watched;
+        const hmf_hierarchy_options options = watched.options(0);
         {
             const Hierarchy hierarchy(sample.second, options);
             ASSERT_TRUE(hierarchy);
-            EXPECT_EQ(hmf_hierarchy_describe(hierarchy.get())->memory_bytes, meter.used);
-            EXPECT_LE(meter.peak, hmf_hierarchy_memory_estimate(sample.second.vertex_count(),
-                                                                sample.second.triangle_count(), &options));
+            EXPECT_EQ(hmf_hierarchy_describe(hierarchy.get())->memory_bytes, watched.used);
+            EXPECT_LE(watched.peak, hmf_hierarchy_memory_estimate(sample.second.vertex_count(),
+                                                                  sample.second.triangle_count(), &options));
         }
-        EXPECT_EQ(meter.used, 0u);
+        EXPECT_EQ(watched.used, 0u);
     }
 }
 
@@ -273,14 +273,14 @@ TEST(Levels, MemoryEstimateOfExtremeSurfaces) {
         const size_t n = at.mesh.vertex_count();
         if (at.name == std::string("polygon")) marks = {0, uint32_t(n / 4), uint32_t(n / 2), uint32_t(3 * n / 4)};
         const size_t times = at.name == std::string("polygon") ? 2 : 1; // its double is built
-        Meter meter;
-        hmf_hierarchy_options options = meter.options(0);
+        WatchedHost watched;
+        hmf_hierarchy_options options = watched.options(0);
         options.marked_vertices = marks.data();
         options.marked_count = marks.size();
         const Hierarchy hierarchy(at.mesh, options);
         ASSERT_TRUE(hierarchy);
         const uint64_t estimate = hmf_hierarchy_memory_estimate(times * n, times * at.mesh.triangle_count(), &options);
-        EXPECT_LE(meter.peak, estimate) << n << " vertices";
+        EXPECT_LE(watched.peak, estimate) << n << " vertices";
     }
 }
 

@@ -1,6 +1,6 @@
 // Surfaces with boundary: limits of memory, failing allocations, cancellation.
 #include "support/boundary.hpp"
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/sample.hpp"
 
 #include <gtest/gtest.h>
@@ -99,18 +99,18 @@ TEST(Boundary, MemoryLimitIsKept) {
     uint64_t refused = 0;
     bool done = false;
     for (uint64_t limit = 4096; !done; limit += limit / 16 + 1) {
-        Meter meter;
+        WatchedHost watched;
         {
-            hmf_hierarchy_options options = meter.options();
+            hmf_hierarchy_options options = watched.options();
             options.memory_limit = limit;
             Calls calls(mesh, options);
             size_t number = 0;
             const hmf_status status = calls.run([&](const std::function<hmf_status(const hmf_control*)>& call) {
                 const uint64_t kept =
-                    calls.hierarchy ? meter.used - hmf_hierarchy_describe(calls.hierarchy)->memory_bytes : 0;
-                meter.peak = meter.used;
+                    calls.hierarchy ? watched.used - hmf_hierarchy_describe(calls.hierarchy)->memory_bytes : 0;
+                watched.peak = watched.used;
                 const hmf_status s = call(nullptr);
-                EXPECT_LE(meter.peak - kept, limit) << "call " << number;
+                EXPECT_LE(watched.peak - kept, limit) << "call " << number;
                 ++number;
                 return s;
             });
@@ -118,7 +118,7 @@ TEST(Boundary, MemoryLimitIsKept) {
             refused += !done;
             if (!done) { ASSERT_EQ(status, HMF_ERROR_MEMORY_LIMIT) << limit; }
         }
-        ASSERT_EQ(meter.used, 0u);
+        ASSERT_EQ(watched.used, 0u);
         ASSERT_LT(limit, uint64_t{1} << 32) << "no limit is enough";
     }
     EXPECT_GT(refused, 10u);
@@ -126,13 +126,13 @@ TEST(Boundary, MemoryLimitIsKept) {
 
 // Cancels at a report, and notes what had been allocated until then.
 struct Stop {
-    const Meter& meter;
+    const WatchedHost& watched;
     uint64_t left, allocations = 0;
 
     static int32_t call(void* user, double) {
         Stop& s = *static_cast<Stop*>(user);
         if (--s.left > 0) return HMF_PROGRESS_CONTINUE;
-        s.allocations = s.meter.calls;
+        s.allocations = s.watched.calls;
         return HMF_PROGRESS_CANCEL;
     }
 };
@@ -140,12 +140,12 @@ struct Stop {
 // The double is loaded after the surface: a build that is cancelled there allocates no more either.
 TEST(Boundary, ACancelledBuildStopsAtOnce) {
     const TriMesh mesh = mesh_with_boundary();
-    Meter meter;
-    const hmf_hierarchy_options options = meter.options();
+    WatchedHost watched;
+    const hmf_hierarchy_options options = watched.options();
     hmf_hierarchy* hierarchy = nullptr;
     uint64_t report = 0;
     for (;;) {
-        Stop stop{meter, ++report};
+        Stop stop{watched, ++report};
         hmf_control control{};
         control.struct_size = sizeof control;
         control.progress = Stop::call;
@@ -155,8 +155,8 @@ TEST(Boundary, ACancelledBuildStopsAtOnce) {
                                  mesh.triangle_count(), &options, &control, &hierarchy, nullptr);
         if (status == HMF_OK) break;
         ASSERT_EQ(status, HMF_CANCELLED) << "report " << report;
-        EXPECT_EQ(meter.calls, stop.allocations) << "report " << report;
-        EXPECT_EQ(meter.used, 0u) << "report " << report;
+        EXPECT_EQ(watched.calls, stop.allocations) << "report " << report;
+        EXPECT_EQ(watched.used, 0u) << "report " << report;
     }
     EXPECT_GT(report, 10u);
     hmf_hierarchy_destroy(hierarchy);
@@ -164,25 +164,25 @@ TEST(Boundary, ACancelledBuildStopsAtOnce) {
 
 TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
     const TriMesh mesh = mesh_with_boundary();
-    Meter meter;
+    WatchedHost watched;
     {
-        const hmf_hierarchy_options options = meter.options();
+        const hmf_hierarchy_options options = watched.options();
         Calls calls(mesh, options);
         size_t number = 0;
         const hmf_status status = calls.run([&](const std::function<hmf_status(const hmf_control*)>& call) {
             SCOPED_TRACE(testing::Message() << "call " << number);
             // First in vain, then as it is.
-            const uint64_t held = meter.used;
+            const uint64_t held = watched.used;
             const auto fails = [&](uint64_t fail, uint64_t stop, uint64_t& allocations, uint64_t& reports) {
                 Progress progress;
                 progress.stop = stop;
                 const hmf_control control = progress.control();
-                meter.calls = 0;
-                meter.fail = fail;
+                watched.calls = 0;
+                watched.fail = fail;
                 const hmf_status s = call(&control);
-                allocations = meter.calls;
+                allocations = watched.calls;
                 reports = progress.calls;
-                meter.fail = 0;
+                watched.fail = 0;
                 EXPECT_TRUE(progress.rising);
                 return s;
             };
@@ -190,13 +190,13 @@ TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
             const bool keeps = number == 1 || number == 2 || number == 3;
             if (!keeps) { // the counts of a call that leaves nothing
                 EXPECT_EQ(fails(0, 0, allocations, reports), HMF_OK);
-                EXPECT_EQ(meter.used, held);
+                EXPECT_EQ(watched.used, held);
             } else allocations = 4000, reports = 2000;
             for (uint64_t n = 1; n <= allocations; n += 1 + allocations / sample(48, 8)) {
                 const hmf_status s = fails(n, 0, ignored, ignored);
                 if (s == HMF_OK && keeps) return ++number, s; // there were fewer
                 EXPECT_EQ(s, HMF_ERROR_MEMORY) << "allocation " << n;
-                EXPECT_EQ(meter.used, held);
+                EXPECT_EQ(watched.used, held);
             }
             for (uint64_t n = 1; n < reports; n += 1 + reports / sample(24, 5)) {
                 const hmf_status s = fails(0, n, ignored, ignored);
@@ -206,7 +206,7 @@ TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
                     hmf_foliation_destroy(calls.foliation);
                     calls.foliation = nullptr;
                 }
-                EXPECT_EQ(meter.used, held);
+                EXPECT_EQ(watched.used, held);
             }
             ++number;
             return call(nullptr);
@@ -214,7 +214,7 @@ TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
         EXPECT_EQ(status, HMF_OK);
         EXPECT_EQ(number, 7u);
     }
-    EXPECT_EQ(meter.used, 0u);
+    EXPECT_EQ(watched.used, 0u);
 }
 
 } // namespace test_boundary_resources

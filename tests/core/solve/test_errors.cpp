@@ -1,6 +1,6 @@
 // Every status, and nothing written on failure: defects of the call, of its
 // structures, of the mesh, of loops and of values.
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -397,8 +397,8 @@ TEST_F(OnTorus, BuildOptions) {
     expect_options([](hmf_hierarchy_options& o) { o.ratio = 0.95; }, HMF_OK);
     expect_options([](hmf_hierarchy_options& o) { o.collapse = 4; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_hierarchy_options& o) { o.collapse = -1; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_hierarchy_options& o) { o.allocate = Meter::take; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_hierarchy_options& o) { o.release = Meter::give; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.allocate = WatchedHost::take; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_hierarchy_options& o) { o.release = WatchedHost::give; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_hierarchy_options& o) { o.coarsest = UINT64_MAX; }, HMF_OK);
     expect_options([](hmf_hierarchy_options& o) { o.position_stride = 24; }, HMF_OK);
     expect_options([](hmf_hierarchy_options& o) { o.position_stride = 8; }, HMF_ERROR_OPTIONS);

@@ -1,6 +1,6 @@
 // Meshes and moments at the limits: vertices of high degree, needles that
 // rounding can be seen at, surfaces that are much longer than wide, a stop at any call of the progress function.
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
 

@@ -1,6 +1,6 @@
 // Limits for input that nobody has checked: the estimate of memory is a bound, and the work of a solve, counted and
 // not timed, stays within a multiple of the usual.
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -64,8 +64,8 @@ TEST(Limits, EstimateOfMemoryIsABound) {
         TriMesh mesh = any_mesh(random);
         const size_t holes = random.below(3) == 0 ? 1 + random.below(4) : 0;
         mesh = with_holes(mesh, holes);
-        Meter meter;
-        hmf_hierarchy_options options = meter.options();
+        WatchedHost watched;
+        hmf_hierarchy_options options = watched.options();
         options.collapse = static_cast<int32_t>(random.below(4));
         options.ratio = random.below(4) ? 0.05 + 0.9 * random.unit() : 0;
         options.coarsest = random.below(3) ? 1 + random.below(600) : 0;
@@ -86,15 +86,15 @@ TEST(Limits, EstimateOfMemoryIsABound) {
         const size_t copies = holes > 0 ? 2 : 1; // the double is built
         const uint64_t bound =
             hmf_hierarchy_memory_estimate(copies * mesh.vertex_count(), copies * mesh.triangle_count(), &options);
-        ASSERT_LE(meter.peak, bound) << "round " << round << ", " << mesh.vertex_count() << " vertices, " << holes
-                                     << " holes, collapse " << options.collapse << ", ratio " << options.ratio
-                                     << ", coarsest " << options.coarsest << ", marks " << marks.size();
-        EXPECT_EQ(meter.used, 0u);
+        ASSERT_LE(watched.peak, bound) << "round " << round << ", " << mesh.vertex_count() << " vertices, " << holes
+                                       << " holes, collapse " << options.collapse << ", ratio " << options.ratio
+                                       << ", coarsest " << options.coarsest << ", marks " << marks.size();
+        EXPECT_EQ(watched.used, 0u);
         if (status != HMF_OK) continue; // bounded all the same
         ++built;
-        tightest = std::min(tightest, static_cast<double>(bound) / static_cast<double>(meter.peak));
+        tightest = std::min(tightest, static_cast<double>(bound) / static_cast<double>(watched.peak));
         if (mesh.vertex_count() > 1000)
-            loosest = std::max(loosest, static_cast<double>(bound) / static_cast<double>(meter.peak));
+            loosest = std::max(loosest, static_cast<double>(bound) / static_cast<double>(watched.peak));
     }
     EXPECT_GE(built, 100u);
     EXPECT_LT(loosest, 6) << "a bound that no host can give is none"; // from 1000 vertices on

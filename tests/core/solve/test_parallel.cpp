@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "src/core/base/parallel.hpp"
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/sample.hpp"
-#include "support/story.hpp"
-#include "support/unruly_threads.hpp"
+#include "support/all_calls.hpp"
+#include "support/adversarial_scheduler.hpp"
 
 namespace test_parallel {
 
@@ -57,7 +57,7 @@ Bits bits_of_build(const TriMesh& mesh, const hmf_control* control) {
 TEST(Parallel, BlocksAreThoseOfTheProblem) {
     for (const uint32_t workers : some_workers)
         for (const size_t n : {size_t{0}, size_t{1}, size_t{4096}, size_t{4097}, size_t{100000}, size_t{3000000}}) {
-            UnrulyThreads host(workers, n);
+            AdversarialScheduler host(workers, n);
             const hmf_control control = host.lend();
             const hmf::Parallel parallel(control.parallel_for, control.parallel_user, control.workers);
             const hmf::Parallel alone;
@@ -81,7 +81,7 @@ TEST(Parallel, BlocksAreThoseOfTheProblem) {
 
 // No two tasks have one slot at the same time.
 TEST(Parallel, SlotsAreOwned) {
-    UnrulyThreads host(7);
+    AdversarialScheduler host(7);
     const hmf_control control = host.lend();
     const hmf::Parallel parallel(control.parallel_for, control.parallel_user, control.workers);
     for (int round = 0; round < 40; ++round) {
@@ -104,7 +104,7 @@ TEST(Parallel, SameBitsOfTheBuild) {
     for (const TriMesh& mesh : large_meshes()) {
         const Bits expected = bits_of_build(mesh, nullptr);
         for (const uint32_t workers : some_workers) {
-            UnrulyThreads host(workers, 7 * workers);
+            AdversarialScheduler host(workers, 7 * workers);
             const hmf_control control = host.lend();
             EXPECT_EQ(bits_of_build(mesh, &control), expected) << workers;
             EXPECT_EQ(host.violations, 0u);
@@ -141,7 +141,7 @@ TEST(Parallel, SameSentenceOfADefect) {
                       HMF_OK);
             return std::to_string(error.status) + " " + std::to_string(error.index) + " " + error.message;
         };
-        UnrulyThreads host(7, static_cast<uint64_t>(round));
+        AdversarialScheduler host(7, static_cast<uint64_t>(round));
         const hmf_control control = host.lend();
         EXPECT_EQ(sentence(&control), sentence(nullptr));
         EXPECT_EQ(host.violations, 0u);
@@ -154,14 +154,14 @@ TEST(Parallel, SameBitsOfEveryFunction) {
         const uint32_t workers = m == 0 ? 3 : 16;
         hmf_hierarchy_options build{};
         build.struct_size = sizeof build;
-        Story story(meshes[m], build);
-        for (const Function& function : story.functions) {
+        AllCalls all_calls(meshes[m], build);
+        for (const Function& function : all_calls.functions) {
             SCOPED_TRACE(function.name);
             Bits expected;
-            if (function.keeps) story.refresh();
+            if (function.keeps) all_calls.refresh();
             ASSERT_EQ(function.call(nullptr, &expected), HMF_OK);
-            if (function.keeps) story.refresh();
-            UnrulyThreads host(workers, 3 * workers);
+            if (function.keeps) all_calls.refresh();
+            AdversarialScheduler host(workers, 3 * workers);
             const hmf_control control = host.lend();
             Bits bits;
             ASSERT_EQ(function.call(&control, &bits), HMF_OK);
@@ -191,7 +191,7 @@ TEST(Parallel, SameBitsOfSolveOnRandomProblems) {
         };
         const Bits expected = run(nullptr);
         for (const uint32_t workers : some_workers) {
-            UnrulyThreads host(workers, random.bits());
+            AdversarialScheduler host(workers, random.bits());
             const hmf_control control = host.lend();
             EXPECT_EQ(run(&control), expected) << round << ", " << workers;
             EXPECT_EQ(host.violations, 0u);
@@ -203,13 +203,13 @@ TEST(Parallel, SameBitsOfSolveOnRandomProblems) {
 // --- Failures ------------------------------------------------------------------
 
 TEST(Parallel, FailuresWithThreads) {
-    Meter meter;
+    WatchedHost watched;
     {
         const TriMesh mesh = large_meshes()[1];
-        const Hierarchy hierarchy(mesh, meter.options());
+        const Hierarchy hierarchy(mesh, watched.options());
         ASSERT_TRUE(hierarchy);
-        UnrulyThreads host(5);
-        const uint64_t held = meter.used, first = meter.calls;
+        AdversarialScheduler host(5);
+        const uint64_t held = watched.used, first = watched.calls;
         Progress progress;
         hmf_control control = host.lend(progress.control());
         const auto run = [&] {
@@ -217,18 +217,18 @@ TEST(Parallel, FailuresWithThreads) {
             const hmf_status status = hmf_solve_cut_system(hierarchy.get(), nullptr, &control, &f, nullptr);
             EXPECT_EQ(f != nullptr, status == HMF_OK);
             hmf_foliation_destroy(f);
-            EXPECT_EQ(meter.used, held);
+            EXPECT_EQ(watched.used, held);
             return status;
         };
         ASSERT_EQ(run(), HMF_OK);
         EXPECT_TRUE(progress.rising);
-        const uint64_t allocations = meter.calls - first, reports = progress.calls;
+        const uint64_t allocations = watched.calls - first, reports = progress.calls;
         for (uint64_t n = 1; n <= allocations; n += 1 + allocations / 12) {
-            meter.fail = meter.calls + n;
+            watched.fail = watched.calls + n;
             progress = {};
             EXPECT_EQ(run(), HMF_ERROR_MEMORY) << "allocation " << n << " of " << allocations;
         }
-        meter.fail = 0;
+        watched.fail = 0;
         for (uint64_t n = 1; n < reports - 1; n += 1 + reports / 12) {
             progress = {};
             progress.stop = n;
@@ -236,7 +236,7 @@ TEST(Parallel, FailuresWithThreads) {
         }
         EXPECT_EQ(host.violations, 0u);
     }
-    EXPECT_EQ(meter.used, 0u);
+    EXPECT_EQ(watched.used, 0u);
 }
 
 // --- Pool ----------------------------------------------------------------------

@@ -4,9 +4,9 @@
 // same bits twice and from many threads.
 #include "src/core/api/result.hpp"
 #include "src/core/hierarchy/hierarchy.hpp"
-#include "support/meter.hpp"
+#include "support/watched_host.hpp"
 #include "support/sample.hpp"
-#include "support/story.hpp"
+#include "support/all_calls.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -33,22 +33,22 @@ hmf_status build(const TriMesh& mesh, const hmf_hierarchy_options& options, cons
 
 std::vector<TriMesh> story_meshes() { return {pretzel(2, 1), with_random_flips(pretzel(2, 1), 400, 0.7, 3)}; }
 
-// Each mesh of a story with every SHARES-th of its functions: quick cases.
+// Each mesh of a all_calls with every SHARES-th of its functions: quick cases.
 constexpr size_t SHARES = 4;
 struct OfEachFunction : testing::TestWithParam<size_t> {
     template <class Each>
     void run(Each each) {
         const TriMesh mesh = story_meshes().at(GetParam() / SHARES);
-        Meter meter;
+        WatchedHost watched;
         {
-            Story story(mesh, meter.options(80));
-            for (size_t i = GetParam() % SHARES; i < story.functions.size(); i += SHARES) {
-                SCOPED_TRACE(story.functions[i].name);
-                each(story, story.functions[i], meter);
+            AllCalls all_calls(mesh, watched.options(80));
+            for (size_t i = GetParam() % SHARES; i < all_calls.functions.size(); i += SHARES) {
+                SCOPED_TRACE(all_calls.functions[i].name);
+                each(all_calls, all_calls.functions[i], watched);
                 if (HasFatalFailure()) return;
             }
         }
-        EXPECT_EQ(meter.used, 0u);
+        EXPECT_EQ(watched.used, 0u);
     }
 };
 INSTANTIATE_TEST_SUITE_P(Shares, OfEachFunction, testing::Range(size_t{0}, 2 * SHARES));
@@ -59,13 +59,13 @@ INSTANTIATE_TEST_SUITE_P(Shares, OfEachFunction, testing::Range(size_t{0}, 2 * S
 
 TEST(Resources, EveryAllocationMayFailInTheBuild) {
     for (const TriMesh& mesh : {torus(12, 8, 2, 1), with_random_flips(plate(2), 20, -1, 3)}) {
-        Meter meter;
-        ASSERT_EQ(build(mesh, meter.options()), HMF_OK);
-        ASSERT_EQ(meter.used, 0u);
-        const uint64_t calls = meter.calls;
+        WatchedHost watched;
+        ASSERT_EQ(build(mesh, watched.options()), HMF_OK);
+        ASSERT_EQ(watched.used, 0u);
+        const uint64_t calls = watched.calls;
         ASSERT_GT(calls, 20u);
         for (uint64_t fail = 1; fail <= calls; ++fail) {
-            Meter failing;
+            WatchedHost failing;
             failing.fail = fail;
             ASSERT_EQ(build(mesh, failing.options()), HMF_ERROR_MEMORY) << "allocation " << fail << " of " << calls;
             ASSERT_EQ(failing.used, 0u) << "allocation " << fail << " of " << calls;
@@ -74,18 +74,18 @@ TEST(Resources, EveryAllocationMayFailInTheBuild) {
 }
 
 TEST_P(OfEachFunction, EveryAllocationMayFail) {
-    run([](Story& story, const Function& function, Meter& meter) {
+    run([](AllCalls& all_calls, const Function& function, WatchedHost& watched) {
         // Runs the call on a foliation without anything kept; what it keeps goes with the foliation.
         uint64_t calls = 0;
         const auto run = [&](uint64_t fail, Bits* bits) {
-            if (function.keeps) story.refresh();
-            const uint64_t held = meter.used;
-            meter.calls = 0;
-            meter.fail = fail;
+            if (function.keeps) all_calls.refresh();
+            const uint64_t held = watched.used;
+            watched.calls = 0;
+            watched.fail = fail;
             const hmf_status status = function.call(nullptr, bits);
-            calls = meter.calls;
-            meter.fail = 0;
-            if (!function.keeps) { EXPECT_EQ(meter.used, held); }
+            calls = watched.calls;
+            watched.fail = 0;
+            if (!function.keeps) { EXPECT_EQ(watched.used, held); }
             return status;
         };
         Bits expected, bits;
@@ -104,12 +104,12 @@ TEST_P(OfEachFunction, EveryAllocationMayFail) {
 // Also where the stage that met it has gone on.
 TEST(Resources, NothingIsGivenAfterAFailedAllocation) {
     for (const bool fails : {false, true}) {
-        Meter meter;
-        const hmf_hierarchy h{Meter::take, Meter::give, &meter, 0};
-        hmf::Memory memory(Meter::take, Meter::give, &meter, 0);
+        WatchedHost watched;
+        const hmf_hierarchy h{WatchedHost::take, WatchedHost::give, &watched, 0};
+        hmf::Memory memory(WatchedHost::take, WatchedHost::give, &watched, 0);
         hmf_error error{};
         hmf::Call call(memory, &error, nullptr, nullptr);
-        meter.fail = fails ? meter.calls + 1 : 0;
+        watched.fail = fails ? watched.calls + 1 : 0;
         void* const block = memory.take(16);
         EXPECT_EQ(block == nullptr, fails);
         memory.give(block, 16);
@@ -119,25 +119,25 @@ TEST(Resources, NothingIsGivenAfterAFailedAllocation) {
         EXPECT_EQ(made == nullptr, fails);
         EXPECT_EQ(call.status(), fails ? HMF_ERROR_MEMORY : HMF_OK);
         hmf_free(made);
-        EXPECT_EQ(meter.used, 0u);
+        EXPECT_EQ(watched.used, 0u);
     }
 }
 
 // Large enough for several levels of the linear solver.
 TEST(Resources, AllocationsMayFailInNewton) {
-    Meter meter;
-    const Hierarchy hierarchy(pretzel(2, 3), meter.options());
+    WatchedHost watched;
+    const Hierarchy hierarchy(pretzel(2, 3), watched.options());
     ASSERT_TRUE(hierarchy);
-    const uint64_t held = meter.used, first = meter.calls;
+    const uint64_t held = watched.used, first = watched.calls;
     const hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 0);
     ASSERT_EQ(solve(hierarchy, nullptr, options).status, HMF_OK);
-    ASSERT_EQ(meter.used, held);
-    const uint64_t calls = meter.calls - first;
+    ASSERT_EQ(watched.used, held);
+    const uint64_t calls = watched.calls - first;
     ASSERT_GT(calls, 100u);
     for (uint64_t n = 1; n <= calls; n += 1 + calls / 60) {
-        meter.fail = meter.calls + n;
+        watched.fail = watched.calls + n;
         EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_ERROR_MEMORY);
-        ASSERT_EQ(meter.used, held) << "allocation " << n << " of " << calls;
+        ASSERT_EQ(watched.used, held) << "allocation " << n << " of " << calls;
     }
 }
 
@@ -148,8 +148,8 @@ TEST(Resources, MemoryLimitIsKept) {
     uint64_t refused = 0;
     bool done = false;
     for (uint64_t limit = 64; !done; limit += limit / 8 + 1) {
-        Meter meter;
-        hmf_hierarchy_options options = meter.options();
+        WatchedHost watched;
+        hmf_hierarchy_options options = watched.options();
         options.memory_limit = limit;
         hmf_hierarchy* h = nullptr;
         hmf_status status = hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
@@ -162,7 +162,7 @@ TEST(Resources, MemoryLimitIsKept) {
         if (!status) status = hmf_solve(h, loops, nullptr, nullptr, &f, nullptr);
         if (!status) status = hmf_quads(f, nullptr, nullptr, &quads, nullptr);
         if (!status) status = hmf_atlas(f, nullptr, nullptr, &charts, nullptr);
-        ASSERT_LE(meter.peak, limit);
+        ASSERT_LE(watched.peak, limit);
         if (status == HMF_OK) {
             done = true;
         } else {
@@ -174,13 +174,13 @@ TEST(Resources, MemoryLimitIsKept) {
         hmf_free(charts);
         hmf_foliation_destroy(f);
         hmf_hierarchy_destroy(h);
-        ASSERT_EQ(meter.used, 0u);
+        ASSERT_EQ(watched.used, 0u);
         ASSERT_LT(limit, uint64_t{1} << 32) << "no limit is enough";
     }
     EXPECT_GT(refused, 10u);
 
-    Meter meter;
-    hmf_hierarchy_options options = meter.options();
+    WatchedHost watched;
+    hmf_hierarchy_options options = watched.options();
     options.memory_limit = hmf_hierarchy_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), &options);
     EXPECT_EQ(build(mesh, options), HMF_OK) << "the estimate is an upper bound";
 }
@@ -188,20 +188,20 @@ TEST(Resources, MemoryLimitIsKept) {
 // Every function: what it takes beside the hierarchy stays below the limit, or it says so; and as much as it needs
 // without a limit is enough with one.
 TEST_P(OfEachFunction, MemoryLimitIsKept) {
-    run([](Story& story, const Function& function, Meter& meter) {
-        hmf_hierarchy& h = const_cast<hmf_hierarchy&>(*story.h);
+    run([](AllCalls& all_calls, const Function& function, WatchedHost& watched) {
+        hmf_hierarchy& h = const_cast<hmf_hierarchy&>(*all_calls.h);
         const std::string name = function.name;
         // These have a hierarchy of their own: see MemoryLimitOfMeshes.
         if (name == "hmf_components" || name == "hmf_suggest_marks" || name == "hmf_even_design") return;
         const uint64_t held = hmf_hierarchy_describe(&h)->memory_bytes;
         const auto taken = [&](uint64_t limit, hmf_status& status) {
-            if (function.keeps) story.refresh();
-            meter.peak = meter.used;
-            const uint64_t before = meter.used;
+            if (function.keeps) all_calls.refresh();
+            watched.peak = watched.used;
+            const uint64_t before = watched.used;
             h.memory_limit = limit;
             status = function.call(nullptr, nullptr);
             h.memory_limit = 0;
-            return meter.peak - before;
+            return watched.peak - before;
         };
         hmf_status status = HMF_OK;
         const uint64_t most = taken(0, status);
@@ -236,16 +236,16 @@ TEST(Resources, MemoryLimitOfMeshes) {
     };
     for (const int which : {0, 1, 2}) {
         SCOPED_TRACE(which);
-        Meter free;
+        WatchedHost free;
         ASSERT_EQ(call(which, free.options()), HMF_OK);
         const uint64_t enough = free.peak + sizeof(hmf_hierarchy); // counted, wherever it lies
         for (const double share : {0.01, 0.05, 0.2, 0.5, 0.7, 0.9, 0.99, 1.0}) {
-            Meter meter;
-            hmf_hierarchy_options build = meter.options();
+            WatchedHost watched;
+            hmf_hierarchy_options build = watched.options();
             build.memory_limit = static_cast<uint64_t>(share * static_cast<double>(enough));
             EXPECT_EQ(call(which, build), build.memory_limit < enough ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << share;
-            EXPECT_LE(meter.peak, build.memory_limit) << share;
-            EXPECT_EQ(meter.used, 0u);
+            EXPECT_LE(watched.peak, build.memory_limit) << share;
+            EXPECT_EQ(watched.used, 0u);
         }
     }
 }
@@ -253,71 +253,71 @@ TEST(Resources, MemoryLimitOfMeshes) {
 // The object itself counts as well.
 TEST(Resources, MemoryLimitHoldsToTheByte) {
     const TriMesh mesh = torus(30, 16, 2, 1);
-    Meter free;
+    WatchedHost free;
     ASSERT_EQ(build(mesh, free.options()), HMF_OK);
     for (const uint64_t spare : {0, 1, 100, 1000}) {
-        Meter meter;
-        hmf_hierarchy_options options = meter.options();
+        WatchedHost watched;
+        hmf_hierarchy_options options = watched.options();
         options.memory_limit = free.peak - spare;
         EXPECT_EQ(build(mesh, options), spare ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << spare;
-        EXPECT_LE(meter.peak, options.memory_limit);
-        EXPECT_EQ(meter.used, 0u);
+        EXPECT_LE(watched.peak, options.memory_limit);
+        EXPECT_EQ(watched.used, 0u);
     }
 }
 
 // What a foliation says it holds is what the allocator sees, before and after a use that keeps something.
 TEST(Resources, MemoryOfAFoliation) {
-    Meter meter;
-    const Hierarchy hierarchy(pretzel(2, 1), meter.options());
+    WatchedHost watched;
+    const Hierarchy hierarchy(pretzel(2, 1), watched.options());
     ASSERT_TRUE(hierarchy);
     EXPECT_EQ(hmf_foliation_memory(nullptr), 0u);
-    const uint64_t held = meter.used;
+    const uint64_t held = watched.used;
     {
         const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
         ASSERT_EQ(solution.status, HMF_OK);
         const hmf_foliation* const f = solution.foliation.get();
-        EXPECT_EQ(hmf_foliation_memory(f), meter.used - held);
+        EXPECT_EQ(hmf_foliation_memory(f), watched.used - held);
         EXPECT_GE(hmf_foliation_memory(f), 8 * solution.values.size());
         hmf_parameterization* map = nullptr;
         ASSERT_EQ(hmf_parameterize(f, nullptr, nullptr, &map, nullptr), HMF_OK);
         hmf_free(map);
         const uint64_t after = hmf_foliation_memory(f);
         EXPECT_GT(after, 16 * solution.values.size());
-        EXPECT_EQ(after, meter.used - held);
+        EXPECT_EQ(after, watched.used - held);
         ASSERT_EQ(hmf_parameterize(f, nullptr, nullptr, &map, nullptr), HMF_OK);
         hmf_free(map);
         EXPECT_EQ(hmf_foliation_memory(f), after);
     }
-    EXPECT_EQ(meter.used, held);
+    EXPECT_EQ(watched.used, held);
 }
 
 // A hundred rounds on one hierarchy: memory returns to where it was.
 TEST(Resources, MemoryIsFlat) {
-    Meter meter;
+    WatchedHost watched;
     {
-        const Hierarchy hierarchy(pretzel(2, 1), meter.options());
+        const Hierarchy hierarchy(pretzel(2, 1), watched.options());
         ASSERT_TRUE(hierarchy);
-        const uint64_t held = meter.used;
+        const uint64_t held = watched.used;
         EXPECT_EQ(hmf_hierarchy_describe(hierarchy.get())->memory_bytes, held);
         for (int round = 0; round < 100; ++round) {
             {
                 const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_WHITEHEAD, 1e-3, 20));
                 ASSERT_LT(solution.status, HMF_ERROR_NULL);
-                EXPECT_LE(held + solution.report.peak_memory_bytes, meter.peak);
-                ASSERT_GT(meter.used, held);
+                EXPECT_LE(held + solution.report.peak_memory_bytes, watched.peak);
+                ASSERT_GT(watched.used, held);
             }
-            ASSERT_EQ(meter.used, held);
+            ASSERT_EQ(watched.used, held);
         }
     }
-    EXPECT_EQ(meter.used, 0u);
+    EXPECT_EQ(watched.used, 0u);
 }
 
 // Blocks of arrays that are kept for other arrays: no more memory than was in use at the peak, and
 // none that is lost; an array of the size of one that was given back costs the host nothing.
 TEST(Resources, ArraysTakeWhatOthersGaveBack) {
-    Meter meter;
+    WatchedHost watched;
     {
-        const hmf_hierarchy_options options = meter.options();
+        const hmf_hierarchy_options options = watched.options();
         hmf::Memory memory(options.allocate, options.release, options.allocator_user, 0);
         memory.keep_arrays();
         hmf::Memory part(memory);
@@ -325,14 +325,14 @@ TEST(Resources, ArraysTakeWhatOthersGaveBack) {
         hmf::Array<char> array[24];
         ASSERT_TRUE(array[0].allocate(memory, large));
         array[0].release();
-        const uint64_t calls = meter.calls;
+        const uint64_t calls = watched.calls;
         ASSERT_TRUE(array[0].allocate(part, large - 1000));
-        EXPECT_EQ(meter.calls, calls);
+        EXPECT_EQ(watched.calls, calls);
         EXPECT_EQ(array[0].size(), large - 1000);
         EXPECT_EQ(part.used(), memory.used());
         array[0].release();
         ASSERT_TRUE(array[0].allocate(memory, large / 2)); // too small for it
-        EXPECT_EQ(meter.calls, calls + 1);
+        EXPECT_EQ(watched.calls, calls + 1);
         Random random(7);
         for (int step = 0; step < 4000; ++step) {
             hmf::Array<char>& one = array[random.below(24)];
@@ -344,14 +344,14 @@ TEST(Resources, ArraysTakeWhatOthersGaveBack) {
                 break;
             default: ASSERT_TRUE(one.allocate(random.below(2) ? memory : part, size)); break;
             }
-            ASSERT_LE(memory.used(), meter.used) << step;
-            ASSERT_LE(meter.used, memory.peak()) << step;
+            ASSERT_LE(memory.used(), watched.used) << step;
+            ASSERT_LE(watched.used, memory.peak()) << step;
             if (one.capacity() > 0) std::memset(one.data(), step, one.capacity());
         }
         memory.release_kept();
-        EXPECT_EQ(meter.used, memory.used());
+        EXPECT_EQ(watched.used, memory.used());
     }
-    EXPECT_EQ(meter.used, 0u);
+    EXPECT_EQ(watched.used, 0u);
 }
 
 // What a large mesh takes, the hierarchy and beside it.  Where zeros have far to go it is up to a tenth more.
@@ -375,8 +375,8 @@ TEST(Resources, BytesOfASolve) {
 // Foliations keep what they need of their hierarchy, results need nothing.
 TEST(Lifetimes, FoliationsOutliveTheirHierarchy) {
     const TriMesh mesh = pretzel(2, 1);
-    Meter meter;
-    hmf_hierarchy_options options = meter.options();
+    WatchedHost watched;
+    hmf_hierarchy_options options = watched.options();
     hmf_hierarchy* h = nullptr;
     ASSERT_EQ(hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                    mesh.triangle_count(), &options, nullptr, &h, nullptr),
@@ -385,9 +385,9 @@ TEST(Lifetimes, FoliationsOutliveTheirHierarchy) {
     ASSERT_EQ(hmf_solve_cut_system(h, nullptr, nullptr, &f, nullptr), HMF_OK);
     double before = 0, after = 0;
     ASSERT_EQ(hmf_energy(f, nullptr, &before, nullptr), HMF_OK);
-    const uint64_t held = meter.used;
+    const uint64_t held = watched.used;
     hmf_hierarchy_destroy(h);
-    EXPECT_EQ(meter.used, held) << "the foliation holds on to its hierarchy";
+    EXPECT_EQ(watched.used, held) << "the foliation holds on to its hierarchy";
     ASSERT_EQ(hmf_energy(f, nullptr, &after, nullptr), HMF_OK);
     EXPECT_EQ(before, after);
     // It makes others, which hold on as well.
@@ -407,9 +407,9 @@ TEST(Lifetimes, FoliationsOutliveTheirHierarchy) {
     // Results live until they are freed.
     EXPECT_EQ(quads->vertex_count, quads->quad_count - 2);
     for (uint64_t i = 0; i < 4 * quads->quad_count; ++i) ASSERT_LT(quads->quads[i], quads->vertex_count);
-    EXPECT_GT(meter.used, 0u);
+    EXPECT_GT(watched.used, 0u);
     hmf_free(quads);
-    EXPECT_EQ(meter.used, 0u);
+    EXPECT_EQ(watched.used, 0u);
 }
 
 // --- Progress ----------------------------------------------------------------
@@ -417,8 +417,8 @@ TEST(Lifetimes, FoliationsOutliveTheirHierarchy) {
 TEST(ProgressOf, TheBuild) {
     const TriMesh mesh = pretzel(2, 3);
     Progress all;
-    Meter meter;
-    const hmf_hierarchy_options options = meter.options();
+    WatchedHost watched;
+    const hmf_hierarchy_options options = watched.options();
     hmf_control control = all.control();
     ASSERT_EQ(build(mesh, options, &control), HMF_OK);
     EXPECT_TRUE(all.rising);
@@ -433,20 +433,20 @@ TEST(ProgressOf, TheBuild) {
             control = progress.control();
             ASSERT_EQ(build(mesh, options, &control), HMF_CANCELLED) << "call " << stop << " of " << all.calls;
             EXPECT_EQ(progress.calls, stop) << "called again after the answer";
-            ASSERT_EQ(meter.used, 0u);
+            ASSERT_EQ(watched.used, 0u);
         }
     }
 }
 
 // Solve and relax may give a foliation all the same: see below.
 TEST_P(OfEachFunction, EveryReportMayCancel) {
-    run([](Story& story, const Function& function, Meter& meter) {
+    run([](AllCalls& all_calls, const Function& function, WatchedHost& watched) {
         const auto run = [&](Progress& progress, Bits* bits) {
-            if (function.keeps) story.refresh();
-            const uint64_t held = meter.used;
+            if (function.keeps) all_calls.refresh();
+            const uint64_t held = watched.used;
             const hmf_control control = progress.control();
             const hmf_status status = function.call(&control, bits);
-            if (!function.keeps) { EXPECT_EQ(meter.used, held); }
+            if (!function.keeps) { EXPECT_EQ(watched.used, held); }
             EXPECT_TRUE(progress.rising);
             return status;
         };
@@ -473,12 +473,12 @@ TEST_P(OfEachFunction, EveryReportMayCancel) {
 }
 
 TEST(ProgressOf, SolveAndRelax) {
-    Meter meter;
-    const Hierarchy hierarchy(pretzel(2, 2), meter.options());
+    WatchedHost watched;
+    const Hierarchy hierarchy(pretzel(2, 2), watched.options());
     ASSERT_TRUE(hierarchy);
     const LevelMesh mesh = read_level(hierarchy, 0);
     const Foliation start = initialize(hierarchy, library_loops(hierarchy, 0));
-    const uint64_t held = meter.used;
+    const uint64_t held = watched.used;
     for (const bool relaxing : {false, true})
         for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL, HMF_METHOD_NEWTON}) {
             SCOPED_TRACE(testing::Message() << (relaxing ? "relax, method " : "solve, method ") << method);
@@ -490,7 +490,7 @@ TEST(ProgressOf, SolveAndRelax) {
             Progress all;
             const Solution whole = run(all);
             ASSERT_LT(whole.status, HMF_CANCELLED) << whole.error.message;
-            const uint64_t held_now = meter.used;
+            const uint64_t held_now = watched.used;
             EXPECT_TRUE(all.rising);
             if (whole.status == HMF_OK) { EXPECT_EQ(all.last, 1); }
             ASSERT_GE(all.calls, 3u);
@@ -520,11 +520,11 @@ TEST(ProgressOf, SolveAndRelax) {
                         expect_foliation(mesh, stopped.foliation);
                     }
                     stopped.foliation.reset();
-                    ASSERT_EQ(meter.used, held_now);
+                    ASSERT_EQ(watched.used, held_now);
                 }
             EXPECT_GT(given, 0u);
         }
-    EXPECT_EQ(meter.used, held);
+    EXPECT_EQ(watched.used, held);
 }
 
 TEST(ProgressOf, LimitsStillGiveAFoliation) {
@@ -572,21 +572,21 @@ TEST(SameBits, TwiceAndFromTwoThreads) {
         hmf_hierarchy_options options{};
         options.struct_size = sizeof options;
         options.coarsest = 80;
-        const Story story(mesh, options), other(mesh, options);
+        const AllCalls all_calls(mesh, options), other(mesh, options);
         std::vector<Bits> first, again;
-        const auto run = [](const Story& on, std::vector<Bits>& all) {
+        const auto run = [](const AllCalls& on, std::vector<Bits>& all) {
             for (const Function& function : on.functions) {
                 all.emplace_back();
                 EXPECT_EQ(function.call(nullptr, &all.back()), HMF_OK) << function.name;
             }
         };
         run(other, first);
-        std::thread beside([&] { run(story, again); });
+        std::thread beside([&] { run(all_calls, again); });
         std::vector<Bits> here;
-        run(story, here);
+        run(all_calls, here);
         beside.join();
         for (size_t i = 0; i < first.size(); ++i) {
-            SCOPED_TRACE(story.functions[i].name);
+            SCOPED_TRACE(all_calls.functions[i].name);
             EXPECT_FALSE(first[i].empty());
             EXPECT_EQ(first[i], again[i]);
             EXPECT_EQ(first[i], here[i]);

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <complex>
 
-namespace test_egg {
+namespace test_marked_spheres {
 
 using namespace test;
 
@@ -51,7 +51,7 @@ TriMesh egg(size_t n, size_t rings, double length) {
 
 // Two at each end, as far from one another as a disk of 0.4 % of the area is wide, though the triangles there are
 // smaller than that.
-TEST(Egg, TipsAreMarkedAcrossADisk) {
+TEST(MarkedSpheres, TipsAreMarkedAcrossADisk) {
     const double length = 3;
     for (const size_t n : {16, 32}) {
         const TriMesh mesh = egg(n, 2 * n, length);
@@ -80,7 +80,7 @@ TEST(Egg, TipsAreMarkedAcrossADisk) {
 }
 
 // Quads over poles lie on the egg and look outwards, also relaxed.
-TEST(Egg, QuadsOverPolesLieOnIt) {
+TEST(MarkedSpheres, QuadsOverPolesLieOnIt) {
     const double length = 3;
     const TriMesh mesh = egg(32, 64, length);
     const std::vector<uint32_t> marks = suggested_marks(mesh);
@@ -150,4 +150,4 @@ TEST(AffineMap, SingularValues) {
     }
 }
 
-} // namespace test_egg
+} // namespace test_marked_spheres

@@ -1,4 +1,4 @@
-#include "use_entry.hpp"
+#include "application_entry.hpp"
 
 #include "../quads/flat_flips.hpp"
 

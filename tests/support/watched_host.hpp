@@ -13,24 +13,24 @@
 namespace test {
 
 // Counts bytes and calls; refuses the call number `fail` (from 1).
-struct Meter {
+struct WatchedHost {
     uint64_t used = 0, peak = 0, calls = 0, fail = 0;
 
     static void* take(void* user, size_t size) {
-        Meter& meter = *static_cast<Meter*>(user);
-        if (++meter.calls == meter.fail) return nullptr;
-        meter.used += size;
-        meter.peak = std::max(meter.peak, meter.used);
+        WatchedHost& watched = *static_cast<WatchedHost*>(user);
+        if (++watched.calls == watched.fail) return nullptr;
+        watched.used += size;
+        watched.peak = std::max(watched.peak, watched.used);
         // Fresh memory is never zero by luck.
         void* block = std::malloc(size ? size : 1);
         std::memset(block, 0xa5, size);
         return block;
     }
     static void give(void* user, void* block, size_t size) {
-        Meter& meter = *static_cast<Meter*>(user);
+        WatchedHost& watched = *static_cast<WatchedHost*>(user);
         EXPECT_NE(block, nullptr);
-        EXPECT_GE(meter.used, size);
-        meter.used -= size;
+        EXPECT_GE(watched.used, size);
+        watched.used -= size;
         std::free(block);
     }
     // Several levels even on small meshes.

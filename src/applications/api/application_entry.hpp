@@ -14,9 +14,9 @@ namespace hmf {
 constexpr double HARMONIC_TOLERANCE = 1e-2;
 
 // A call on a foliation without poles.
-class UseEntry : public Entry {
+class ApplicationEntry : public Entry {
 public:
-    UseEntry(const hmf_foliation* foliation, const hmf_control* control, hmf_error* error) :
+    ApplicationEntry(const hmf_foliation* foliation, const hmf_control* control, hmf_error* error) :
         Entry(foliation ? foliation->hierarchy : nullptr, control, error), foliation_(foliation) {}
     template <class Result>
     hmf_status check(Result** out) {

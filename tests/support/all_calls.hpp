@@ -171,8 +171,8 @@ hmf_status one_array(Bits* bits, size_t count, Call&& call) {
 
 // A hierarchy of several levels, foliations on it, and every function that
 // takes them.
-struct Story {
-    Story(const TriMesh& mesh, const hmf_hierarchy_options& build) :
+struct AllCalls {
+    AllCalls(const TriMesh& mesh, const hmf_hierarchy_options& build) :
         hierarchy(mesh, build), h(hierarchy.get()), loops(library_loops(hierarchy, hierarchy.coarsest())),
         set(loops.view()), rough(interpolate(initialize(hierarchy, loops), 0)), vertices(mesh.vertex_count()) {
         refresh();
@@ -184,7 +184,7 @@ struct Story {
         add_design(mesh, build);
         for (Foliation* f : {&harmonic, &read}) add_uses(*f, f == &harmonic);
     }
-    Story(const Story&) = delete;
+    AllCalls(const AllCalls&) = delete;
 
     // The minimum, as it comes from the solver: nothing has been kept with it.
     void refresh() {

@@ -13,9 +13,9 @@
 
 namespace test {
 
-class UnrulyThreads {
+class AdversarialScheduler {
 public:
-    explicit UnrulyThreads(uint32_t workers, uint64_t seed = 1) : workers_(workers), random_(seed) {}
+    explicit AdversarialScheduler(uint32_t workers, uint64_t seed = 1) : workers_(workers), random_(seed) {}
 
     // Adds the threads to a control, for as long as this object lives.
     hmf_control lend(hmf_control control = {}) {
@@ -30,7 +30,7 @@ public:
 
 private:
     static void run(void* user, hmf_task_fn task, void* context, uint32_t count) {
-        UnrulyThreads& self = *static_cast<UnrulyThreads*>(user);
+        AdversarialScheduler& self = *static_cast<AdversarialScheduler*>(user);
         if (self.running_.exchange(true) || count < 2 || count > self.workers_) ++self.violations;
         ++self.calls;
         std::vector<uint32_t> order(count);
