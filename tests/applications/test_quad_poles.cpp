@@ -1,5 +1,5 @@
 // Quads over poles: a tube of quads whose ends are folded flat, and how many quads there are.
-#include "src/applications/api/use_entry.hpp"
+#include "src/applications/api/application_entry.hpp"
 #include "src/applications/quads/graph_points.hpp"
 #include "src/applications/quads/grid_sizes.hpp"
 #include "src/applications/quads/quad_input.hpp"
