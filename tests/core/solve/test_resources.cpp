@@ -450,11 +450,11 @@ TEST_P(OfEachFunction, EveryReportMayCancel) {
             EXPECT_TRUE(progress.rising);
             return status;
         };
-        Bits alone, watched;
+        Bits alone, reported;
         ASSERT_EQ(function.call(nullptr, &alone), HMF_OK);
         Progress all;
-        ASSERT_EQ(run(all, &watched), HMF_OK);
-        EXPECT_EQ(alone, watched);
+        ASSERT_EQ(run(all, &reported), HMF_OK);
+        EXPECT_EQ(alone, reported);
         EXPECT_GT(all.calls, 0u);
         EXPECT_EQ(all.last, 1);
         // These may give a foliation all the same: see SolveAndRelax.
