@@ -372,7 +372,7 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
         const hmf_level_report& from = report.levels[l];
         LevelCost& to = out.level[l];
         const double e = static_cast<double>(from.edge_count),
-                     c = l + 1 < levels ? static_cast<double>(report.levels[l + 1].edges) : 0;
+                     c = l + 1 < levels ? static_cast<double>(report.levels[l + 1].edge_count) : 0;
         to.vertices = static_cast<double>(from.vertex_count);
         to.edges = e;
         to.sweeps = from.sweep_count;

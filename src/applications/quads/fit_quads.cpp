@@ -5,8 +5,6 @@
 #include "quad_numbers.hpp"
 #include "surface_search.hpp"
 
-#include <utility>
-
 namespace hmf {
 
 namespace {
@@ -46,18 +44,12 @@ hmf_status fit(const Mesh& mesh, const double* position, const SurfaceSearch& su
 
 } // namespace
 
-// The better one of the result and of what it began with.
-hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads, Call& call) {
+hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads, QuadMesh& fitted,
+                     Call& call) {
     if (place_on_boundary(mesh, position, quads, call)) return call.status();
-    QuadMesh now;
     SurfaceSearch surface;
-    uint64_t before = 0, after = 0;
-    if (!now.copy(quads, call.memory) || !surface.build(mesh, position, call.memory)) return call.out_of_memory();
-    if (fit(mesh, position, surface, sweeps, now, call)) return call.status();
-    if (!count_inverted(surface, quads, before, call) || !count_inverted(surface, now, after, call))
-        return call.stopped();
-    if (after <= before) std::swap(quads, now);
-    return HMF_OK;
+    if (!fitted.copy(quads, call.memory) || !surface.build(mesh, position, call.memory)) return call.out_of_memory();
+    return fit(mesh, position, surface, sweeps, fitted, call);
 }
 
 } // namespace hmf

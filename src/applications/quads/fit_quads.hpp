@@ -7,9 +7,10 @@ namespace hmf {
 
 constexpr uint64_t MOST_RELAX_STEPS = 1000;
 
-// Optimizes quads in at most `sweeps` sweeps at a time, with vertices on tips and sharp edges.  Triangles of the mesh
-// with the number NONE are no part of the surface.
-[[nodiscard]] hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads, Call& call);
+// Places quads on the boundary and optimizes a copy of them, `fitted`, in at most `sweeps` sweeps at a time, with
+// vertices on tips and sharp edges.  Triangles of the mesh with the number NONE are no part of the surface.
+[[nodiscard]] hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads,
+                                   QuadMesh& fitted, Call& call);
 
 // Its steps:
 
