@@ -35,8 +35,8 @@ bool is_fit(const QuadFigures& figures, double area, size_t count) {
     return count < FEW || badness(figures, area, count) < 1;
 }
 
-// Takes `fitted` unless it is worse than the quads that it was made of: more of it is inverted, or it covers the surface
-// so badly that it would be refused.
+// Takes `fitted` unless it is worse than the quads that it was made of: more of it is inverted, or it covers the
+// surface so badly that it would be refused.
 hmf_status take_better(const Mesh& mesh, const double* position, double area, QuadMesh& fitted, QuadMesh& out,
                        QuadFigures& figures, Call& call) {
     if (quad_figures(mesh, position, fitted, figures, call)) return call.status();
