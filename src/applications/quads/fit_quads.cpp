@@ -21,27 +21,6 @@ void give_up(QuadMesh& quads) {
     }
 }
 
-hmf_status fit(const Mesh& mesh, const double* position, const SurfaceSearch& surface, int sweeps, QuadMesh& quads,
-               Call& call) {
-    QuadOptimizer optimizer(mesh, position, surface, quads, call);
-    if (optimizer.start() || optimizer.untangle() || optimizer.shape(sweeps)) return call.status();
-    for (int round = 0; round < ROUNDS; ++round) {
-        size_t reached = 0, snapped = 0;
-        if (reach_tips(mesh, position, surface, quads, reached, call)
-            || snap_to_sharp_edges(mesh, position, surface, quads, snapped, call))
-            return call.status();
-        if (reached + snapped == 0) break;
-        optimizer.look_again();
-        if (optimizer.shape(sweeps)) return call.status();
-    }
-    give_up(quads);
-    optimizer.look_again();
-    uint64_t left = 0;
-    if (optimizer.shape(sweeps)) return call.status();
-    if (!count_inverted(surface, quads, left, call)) return call.stopped();
-    return left == 0 ? HMF_OK : optimizer.untangle(1) ? call.status() : optimizer.shape(sweeps);
-}
-
 } // namespace
 
 hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads, QuadMesh& fitted,
@@ -49,7 +28,23 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadM
     if (place_on_boundary(mesh, position, quads, call)) return call.status();
     SurfaceSearch surface;
     if (!fitted.copy(quads, call.memory) || !surface.build(mesh, position, call.memory)) return call.out_of_memory();
-    return fit(mesh, position, surface, sweeps, fitted, call);
+    QuadOptimizer optimizer(mesh, position, surface, fitted, call);
+    if (optimizer.start() || optimizer.untangle() || optimizer.shape(sweeps)) return call.status();
+    for (int round = 0; round < ROUNDS; ++round) {
+        size_t reached = 0, snapped = 0;
+        if (reach_tips(mesh, position, surface, fitted, reached, call)
+            || snap_to_sharp_edges(mesh, position, surface, fitted, snapped, call))
+            return call.status();
+        if (reached + snapped == 0) break;
+        optimizer.look_again();
+        if (optimizer.shape(sweeps)) return call.status();
+    }
+    give_up(fitted);
+    optimizer.look_again();
+    uint64_t left = 0;
+    if (optimizer.shape(sweeps)) return call.status();
+    if (!count_inverted(surface, fitted, left, call)) return call.stopped();
+    return left == 0 ? HMF_OK : optimizer.untangle(1) ? call.status() : optimizer.shape(sweeps);
 }
 
 } // namespace hmf

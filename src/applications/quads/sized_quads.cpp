@@ -41,15 +41,12 @@ hmf_status take_better(const Mesh& mesh, const double* position, double area, Qu
                        QuadFigures& figures, Call& call) {
     if (quad_figures(mesh, position, fitted, figures, call)) return call.status();
     const double bad = badness(figures, area, out.quad_count());
-    if (figures.inverted > 0 || bad >= 1) {
-        QuadFigures before;
-        if (quad_figures(mesh, position, out, before, call)) return call.status();
-        if (figures.inverted > before.inverted || (bad >= 1 && bad > badness(before, area, out.quad_count()))) {
-            figures = before;
-            return HMF_OK;
-        }
-    }
-    std::swap(out, fitted);
+    QuadFigures before;
+    before.inverted = UINT64_MAX;
+    if ((figures.inverted > 0 || bad >= 1) && quad_figures(mesh, position, out, before, call)) return call.status();
+    if (figures.inverted > before.inverted || (bad >= 1 && bad > badness(before, area, out.quad_count())))
+        figures = before;
+    else std::swap(out, fitted);
     return HMF_OK;
 }
 
