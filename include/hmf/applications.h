@@ -14,9 +14,10 @@
  *
  * The rules of hmf.h apply.  Every result is one structure with counts and flat
  * arrays in one block: free it with hmf_free.  The same input gives the same bits on
- * every machine and for any number of threads.  Calls that need a harmonic foliation use
- * the one that hmf_solve or hmf_relax has stored; for any other foliation they start from
- * its values.  Classes of errors (100, 200, ...) are those of hmf_status in hmf.h.
+ * every machine and for any number of threads.  hmf_solve and hmf_relax store the harmonic
+ * foliation in the hmf_foliation, and calls that need it use it.  An hmf_foliation that was
+ * made in another way has its values only; these calls compute from them.  Classes of
+ * errors (100, 200, ...) are those of hmf_status in hmf.h.
  *
  * docs/loops.md, docs/quads.md, docs/atlas.md and docs/mathematics.md explain how
  * results are found.
@@ -37,12 +38,12 @@ extern "C" {
 /* One component of a mesh, and where it lies in the arrays of hmf_component_set: the
    first entry (first_*) and the number of entries. */
 typedef struct hmf_component {
-    hmf_status status;           /* the status of hmf_hierarchy_create for this component alone, with your mollify, your
-                                    marked vertices and defaults otherwise: HMF_OK, HMF_ERROR_MESH_GENUS (it carries
-                                    no foliation), or what is wrong with it */
+    hmf_status status;           /* HMF_OK, HMF_ERROR_MESH_GENUS (the component carries no foliation), or another error
+                                    of the component: what hmf_hierarchy_create returns for it alone, with your
+                                    mollify and marked vertices and all other options at their defaults */
     int32_t element;             /* HMF_ELEMENT_* that is wrong */
     uint64_t index;              /* of the element, in the whole mesh */
-    uint64_t genus;              /* this and boundary_count: 0 unless status is HMF_OK or HMF_ERROR_MESH_GENUS */
+    uint64_t genus;              /* 0 unless status is HMF_OK or HMF_ERROR_MESH_GENUS, like boundary_count */
     uint64_t boundary_count;
     uint64_t first_vertex;
     uint64_t vertex_count;
@@ -108,7 +109,7 @@ typedef struct hmf_component_set {
  *
  * Each component is checked as by hmf_hierarchy_create; a defect is reported in its status,
  * not as an error of this call.  Elements of a component keep the order of the whole mesh.
- * Edges are numbered as on level 0.  Vertices without a triangle belong to no component.
+ * Edges are numbered by the rule for level 0 (hmf.h).  Vertices without a triangle belong to no component.
  */
 HMF_API hmf_status hmf_components(const double *positions, size_t vertex_count, const uint32_t *triangles,
                                   size_t triangle_count, const hmf_hierarchy_options *options,
@@ -152,15 +153,16 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
 typedef enum hmf_loops_kind {
     HMF_LOOPS_CUT = 1,           /* as many loops as the genus; cut along them, the surface is one sphere with holes. In
                                     genus 0: loops around pairs of marked vertices instead */
-    HMF_LOOPS_HANDLE = 2,        /* like CUT, but each loop bounds a surface inside the solid, around a handle */
-    HMF_LOOPS_TUNNEL = 3,        /* like CUT, but each loop bounds a surface outside, around a tunnel */
+    HMF_LOOPS_HANDLE = 2,        /* like CUT, but each loop goes around a handle: it bounds a surface inside */
+    HMF_LOOPS_TUNNEL = 3,        /* like CUT, but each loop goes around a tunnel: it bounds a surface outside */
     HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked_count loops (one on a torus without marked vertices); cut
                                     along them, the surface splits into spheres with three holes (pairs of pants), where
                                     a marked vertex counts as a hole */
 } hmf_loops_kind;
 /* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many others as the genus.  In
-   genus 0 with marked vertices inside, the others go around two of them, or around one and a boundary.  A disk with
-   fewer than two marked vertices inside has arcs instead, each around two neighboring marked vertices of the boundary.
+   genus 0 with marked vertices inside, there are further loops instead, each around two of these vertices, or around
+   one and a boundary.  A disk with fewer than two marked vertices inside has arcs instead, each around two neighboring
+   marked vertices of the boundary.
    PANTS has as many loops and arcs as fit: together with their mirror images they are a pants decomposition of the
    double (the surface glued to its mirror image).  HANDLE and TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
 
@@ -179,14 +181,14 @@ typedef enum hmf_loops_kind {
  * Returns HMF_OK, HMF_CANCELLED, or
  *   HMF_ERROR_MESH_GENUS         HANDLE or TUNNEL on genus 0
  *   HMF_ERROR_MESH_BOUNDARY      HANDLE or TUNNEL on a surface with boundary
- *   HMF_ERROR_MESH_NOT_EMBEDDED  HANDLE or TUNNEL on a surface that intersects itself, if it
- *                                has no such loops, or only very long ones
+ *   HMF_ERROR_MESH_NOT_EMBEDDED  HANDLE or TUNNEL, if the surface intersects itself and such
+ *                                loops do not exist or are very long
  *   HMF_ERROR_UNSUPPORTED        triangles of a coarse level share several edges, so they do
  *                                not determine a loop; use a finer level
  *   an error of classes 100, 200
  *
- * The classes depend only on the mesh and its marked vertices, not on the other options of
- * the hierarchy, and loop number c is in the same class on every level.  If ratio, collapse
+ * The homotopy classes of the loops depend only on the mesh and its marked vertices, not on
+ * the other options of the hierarchy, and loop number c has the same class on every level.  If ratio, collapse
  * or coarsest differ from the defaults, the call builds a temporary second hierarchy, which
  * takes the time and memory of hmf_hierarchy_create.  docs/loops.md describes how loops are
  * chosen, and how stable they are under remeshing.
@@ -225,11 +227,13 @@ typedef struct hmf_design {
     uint64_t marked_count;
     const uint32_t *marked_vertices; /* marked_count, for hmf_hierarchy_options */
     const hmf_loop_set *loops;   /* triangle loops of level 0, for hmf_solve on a hierarchy with these marked vertices.
-                                    Weights are whole numbers, so that patterns of period 1 match everywhere. A weight
-                                    of 1 gives a strip of leaves about 1/44 of the diagonal of the bounding box wide.
+                                    Weights are whole numbers, so that patterns of period 1 match everywhere. With
+                                    weight 1, the strip of leaves has a width of about 1/44 of the diagonal of the
+                                    bounding box.
                                     Part of this block: do not free it */
     double unevenness;           /* estimate for this design, see hmf_scale */
-    double unevenness_before;    /* estimate for HMF_LOOPS_CUT with weights 1 (in genus 0 with marked vertices) */
+    double unevenness_before;    /* estimate for HMF_LOOPS_CUT with weights 1; in genus 0 with a first choice of marked
+                                    vertices */
     uint64_t solves;             /* number of small solves that the search made */
 } hmf_design;
 
@@ -268,7 +272,8 @@ typedef struct hmf_parameterize_options {
     double tolerance;            /* largest residual that is accepted, default 1e-2; above it
                                     HMF_ERROR_VALUE_NOT_HARMONIC */
     const uint32_t *seam_edges;  /* seam_edge_count edges of the level along which to cut by preference; NULL = none */
-    uint64_t seam_edge_count;    /* nonzero with seam_edges NULL, or an edge that does not exist: HMF_ERROR_OPTIONS */
+    uint64_t seam_edge_count;    /* number of seam_edges. HMF_ERROR_OPTIONS if it is nonzero and seam_edges is NULL, or
+                                    if an edge does not exist */
 } hmf_parameterize_options;
 
 /* Sets the defaults, see hmf_control_init. */
@@ -289,7 +294,8 @@ typedef struct hmf_parameterization {
                                     image too small to measure */
     const double *differential;  /* triangle_count x 2: quadratic differential, real and imaginary part */
     double dilatation_mean;      /* mean of the absolute values, weighted by area, without degenerate triangles */
-    double dilatation_median;    /* quantiles by area of the absolute values; degenerate triangles are infinite */
+    double dilatation_median;    /* this and the next: median and 99th percentile of the absolute values, weighted by
+                                    area; degenerate triangles count as infinite */
     double dilatation_p99;
     uint64_t flipped_count;      /* triangles */
     uint64_t degenerate_count;   /* triangles */
@@ -307,8 +313,8 @@ typedef struct hmf_parameterization {
 } hmf_parameterization;
 
 /*
- * Computes the global conformal parameterization of a harmonic foliation ([W] section 5):
- * |du| is the foliation, and v is the harmonic conjugate of u.
+ * Computes the global conformal parameterization of a harmonic foliation ([W] section 5;
+ * hmf.h names the paper): |du| is the foliation, and v is the harmonic conjugate of u.
  *
  *   foliation   with residuals of at most options->tolerance
  *   out         free with hmf_free
@@ -319,8 +325,8 @@ typedef struct hmf_parameterization {
  *
  *     (u', v') = sign * (u, v) + (a, b),        sign = +1 or -1.
  *
- * This holds exactly: all numbers are multiples of one power of two, and less than 2^53
- * times it.  Edges that are not seams, and boundary edges, have (1, 0, 0).  The square
+ * This holds without rounding: every number is k times one fixed power of two, with an
+ * integer |k| < 2^53.  Edges that are not seams, and boundary edges, have (1, 0, 0).  The square
  * (du + i dv)^2 does not depend on the sign, so it is the same on both sides of a seam: the
  * holomorphic quadratic differential.  It is given per triangle as the square of
  * d(u + i v) / dz, in the unit (values / positions) squared, where z = x + i y in the
@@ -329,17 +335,20 @@ typedef struct hmf_parameterization {
  * Zeros in triangles are moved to vertices that are not marked, at most one to a vertex;
  * near the zeros u differs from the foliation accordingly.  A zero of order m has the cone
  * angle (2 + m) * pi, a marked vertex that is a pole has pi, and the sum of (2 - cone) is
- * 4 - 4 * genus.  (The indices of hmf_singularities are one less at each marked vertex.)
+ * 4 - 4 * genus.  (At a marked vertex, the index of hmf_singularities is one less than
+ * 2 - cone, elsewhere it is the same.)  At a vertex of the boundary, cone is the angle in the
+ * double (the surface and its mirror image, glued along the boundary): 2 where the
  * boundary is straight, 1 at a corner of 90 degrees.  Triangles where the foliation is 0
  * (on limbs that no loop goes around) are degenerate.
  *
  * Before the result is returned it is checked: u is harmonic and constant along the closed
  * leaves, du and dv are closed in every triangle, the linear solves have converged, energies,
  * areas and circumferences are within the bounds above, and the sum of the absolute areas of
- * the triangles is at most 1.5 times the energy of the foliation, so no large part is folded;
- * flipped_count counts what is.  When a cylinder is thinner than the triangles, zeros may have
- * crossed all of its leaves on their way to vertices.  All such cylinders are checked together
- * as one, whose area is the energy of du minus the areas of the other cylinders.
+ * the triangles is at most 1.5 times the energy of the foliation, so no large part is folded.
+ * Small folds are possible; flipped_count counts their triangles.  A zero that is moved to a
+ * vertex may cross all leaves of a cylinder that is thinner than the triangles.  The
+ * circumferences of all such thin cylinders are checked together, as that of one cylinder whose
+ * area is the energy of du minus the areas of the cylinders that are not thin.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
  * 200, 500, or HMF_ERROR_UNSUPPORTED: the mesh is too coarse (it has too few vertices for its
@@ -357,9 +366,10 @@ typedef struct hmf_scale {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
     uint64_t triangle_count;     /* of the level */
-    const double *log_scale;     /* triangle_count: natural logarithm of |grad u| on each triangle, where |du| is the
-                                    foliation: the local scale of a conformal (u, v), in the unit of the values / the
-                                    unit of the positions. Entries below (the largest - 16.1) are set to that */
+    const double *log_scale;     /* triangle_count: natural logarithm of the local scale of each triangle. The local
+                                    scale of a conformal (u, v) is |grad u|, where |du| is the foliation; its unit is
+                                    that of the values divided by that of the positions. Entries more than 16.1 below
+                                    the largest (a factor of 1e-7) are raised to the largest minus 16.1 */
     double unevenness;           /* standard deviation of log_scale over the surface (scale distortion); 0 if the scale
                                     is constant */
 } hmf_scale;
