@@ -27,8 +27,11 @@ class Run {
 public:
     Run(SolveRequest& request, const Options& options);
     Outcome go();
-    // After a run: whether even loops carry no good quads of the wished size, so that cut loops are worth a try.
+    // After a run: whether even loops carry no good quads of the wished size, so that cut loops are worth a try; and
+    // whether those are better.
     bool wants_cut_loops() const;
+    bool has_quads() const { return !quad_meshes_.empty(); }
+    bool has_better_quads_than(const Run& other) const;
 
 private:
     // Input.

@@ -103,7 +103,14 @@ void Run::make_quad_meshes() {
 }
 
 bool Run::wants_cut_loops() const {
-    return kind_ == LOOPS_EVEN && is_alone() && !was_interrupted() && quad_meshes_.empty() && !r_.quads.empty();
+    const bool has_missed = (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count))
+                         || !area_sentence().empty();
+    return kind_ == LOOPS_EVEN && is_alone() && !was_interrupted() && !r_.quads.empty()
+        && (quad_meshes_.empty() || (inverted_ > 0 && has_missed));
+}
+
+bool Run::has_better_quads_than(const Run& other) const {
+    return has_quads() && (!other.has_quads() || inverted_ < other.inverted_);
 }
 
 // Each critical leaf and each cylinder needs its columns and rows.

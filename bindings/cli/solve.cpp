@@ -57,10 +57,14 @@ Outcome quads(const std::vector<std::string>& words) {
     request = wished;
     request.loops = "cut";
     try {
-        Outcome other = Run(request, options).go();
-        other.notes.push_back("even loops carry no good quads of this size; these are of --loops cut");
-        return other;
-    } catch (const Failure&) { return outcome; }
+        Run other(request, options);
+        Outcome made = other.go();
+        made.notes.push_back("even loops carry no good quads of this size; these are of --loops cut");
+        if (other.has_better_quads_than(run)) return made;
+    } catch (const Failure&) {}
+    if (!run.has_quads()) return outcome;
+    request = wished; // the files are of the cut loops
+    return Run(request, options).go();
 }
 
 } // namespace cli

@@ -546,7 +546,7 @@ typedef struct hmf_level_report {
 typedef enum hmf_history_kind {
     HMF_HISTORY_INTERPOLATION = 0,
     HMF_HISTORY_SWEEP = 1,
-    HMF_HISTORY_SOLVE = 2
+    HMF_HISTORY_LINEAR_SOLVE = 2
 } hmf_history_kind;
 
 /* One entry of the history, after each interpolation, sweep or linear solve. */

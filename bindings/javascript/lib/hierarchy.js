@@ -84,7 +84,7 @@ export function memoryEstimate(module, vertexCount, triangleCount, options) {
 export function suggestMarks(module, positions, triangles, options) {
     return withMesh(module, positions, triangles, options, (frame, ...mesh) => {
         const result = frame.result('hmf_suggest_marks', ...mesh);
-        return frame.arrays('hmf_mark_set', result, { marked_vertices: frame.read('hmf_mark_set', result).marked_count }).marked_vertices;
+        return frame.arrays('hmf_mark_set', result, { marked_vertices: frame.read('hmf_mark_set', result).marked_count }).markedVertices;
     });
 }
 

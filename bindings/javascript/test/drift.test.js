@@ -54,7 +54,7 @@ test('every structure of the headers has its fields in order, and JavaScript kno
 test('every constant of the headers has its value, and the types list its name', () => {
     const declared = [...header.matchAll(/\b(HMF_[A-Z0-9_]+)(?: =)? (\d+|0x[0-9a-f]+)u?\b/g)].map(([, name, value]) => [name, Number(value)]);
     assert.deepEqual(constants, Object.fromEntries(declared.sort(([a], [b]) => (a < b ? -1 : 1))), 'the build is out of date: npm run build');
-    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_PATH_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_', 'HMF_LINE_', 'HMF_END_', 'HMF_LEAVES_', 'HMF_CLASS_'];
+    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_PATH_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_', 'HMF_LINE_', 'HMF_END_', 'HMF_LEAVES_', 'HMF_CLASS_', 'HMF_HISTORY_'];
     for (const [name] of declared) {
         if (/^HMF_(VERSION|ERROR|LIMIT)_|^HMF_(OK|CANCELLED|NONE|ELEMENT_NONE)$/.test(name)) continue;
         const prefix = prefixes.find(start => name.startsWith(start));

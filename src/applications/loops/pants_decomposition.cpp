@@ -49,10 +49,8 @@ constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APAR
 constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
 constexpr size_t PANTS_MOST_CANDIDATES = 64;
-constexpr size_t BATCH_SHARE = 48;          // loops left for each loop of a batch
-constexpr double PANTS_BATCH = PANTS_ROOTS; // longer than the shortest of the batch by at most this
-constexpr uint64_t PANTS_MOST_STEPS = 100;  // as in cut_system.cpp
-constexpr int PANTS_MOST_ROUNDS = 8;        // of measuring and choosing again
+constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
+constexpr int PANTS_MOST_ROUNDS = 8;       // of measuring and choosing again
 
 class Pants {
 public:
@@ -62,7 +60,7 @@ public:
 
     hmf_status run() {
         if (!curves_.allocate(mesh_, memory_) || !test_.allocate(mesh_, memory_)
-            || !length_.allocate(memory_, mesh_.edge_count) || !stamped_.allocate_filled(memory_, mesh_.face_count, 0u)
+            || !length_.allocate(memory_, mesh_.edge_count)
             || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0))
             return call_.out_of_memory();
         const DualLength length(mesh_, position_);
@@ -81,7 +79,7 @@ public:
         steps_ = 0;
         for (int round = 0; round < PANTS_MOST_ROUNDS; ++round) {
             while (loops_.count() < wanted_)
-                if (const hmf_status status = add_batch()) return status;
+                if (const hmf_status status = add_loop()) return status;
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
             if (!changed || round + 1 == PANTS_MOST_ROUNDS) break; // the last round keeps what it has
@@ -98,31 +96,23 @@ public:
 private:
     struct Strip { // in strips_
         size_t first, size;
-        uint32_t holes; // of the piece that it is in; for quick ones
     };
     struct Choice { // of ids_[first] .. ids_[end - 1]
         size_t first, end, taken;
     };
 
-    // The next loop, and other candidates of the same search.
-    hmf_status add_batch() {
+    hmf_status add_loop() {
         if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted_), true))
             return call_.was_cancelled();
         const double made = static_cast<double>(loops_.count() - given_ + 1);
         allowed_ = search_budget(mesh_.face_count) * (0.3 + 0.7 * made / static_cast<double>(wanted_ - given_));
-        const size_t batch = 1 + (wanted_ - loops_.count()) / BATCH_SHARE, first_loop = loops_.count();
+        const size_t first_loop = loops_.count();
         if (cut()) return call_.status();
         if (!joins_.find(cut_, holes_, PANTS_FURTHER, join_, call_)) return call_.stopped();
         if (join_.empty())
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
                               "No further loop was found. Please report this.");
-        if (!choose(batch)) return call_.stopped();
-        const Choice all = choice_.back();
-        for (bool any = true; any;) {
-            if (!take_last()) return call_.stopped();
-            any = loops_.count() < std::min(wanted_, first_loop + batch);
-            if (any && !choose_beside(all, first_loop, any)) return call_.stopped();
-        }
+        if (!choose() || !take_last()) return call_.stopped();
         return lengths_.has_pulled() ? HMF_OK : shorten_loops(mesh_, position_, call_, loops_, first_loop);
     }
 
@@ -251,53 +241,26 @@ private:
     }
 
     // Of the candidates the one with the shortest class.
-    Done choose(size_t batch) {
-        const size_t first = ids_.size(), most = std::max(PANTS_MOST_CANDIDATES, 2 * batch);
+    Done choose() {
+        const size_t first = ids_.size();
         const bool is_quick = lengths_.care() == LoopCare::quick;
         bool added = false;
         if (!is_quick && !find_cycles()) return false;
-        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + most; ++i) {
+        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + PANTS_MOST_CANDIDATES; ++i) {
             if (cycles_[i].length > PANTS_SLACK * cycles_[0].length) break;
-            if (!offer(first, {cycles_[i].first, cycles_[i].size, 0}, added)) return false;
+            if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
         }
-        for (size_t i = 0; i < join_.size() && i < most; ++i) {
+        for (size_t i = 0; i < join_.size() && i < PANTS_MOST_CANDIDATES; ++i) {
             const size_t begin = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;
-            const Strip strip = {begin, strips_.size() - begin, joins_.holes_around(cut_.region[join_[i].corner[0]])};
+            const Strip strip = {begin, strips_.size() - begin};
             if (!offer(first, strip, added)) return false;
             while (!added && strips_.size() > begin) strips_.pop();
         }
         if (!lengths_.look_beside(&ids_[first], ids_.size() - first)) return false;
         const size_t best = is_quick ? 0 : lengths_.shortest(&ids_[first], ids_.size() - first);
         return choice_.push({first, ids_.size(), best});
-    }
-
-    double length(size_t k) const {
-        if (lengths_.care() != LoopCare::quick) return lengths_.length(ids_[k]);
-        double sum = 0;
-        for (size_t i = 0; i < strip_[k].size; ++i) sum += length_[edge_of(strips_[strip_[k].first + i])];
-        return sum;
-    }
-
-    // Another one of the candidates, about as short, that passes no triangle of the loops of the batch.
-    Done choose_beside(const Choice& all, size_t first_loop, bool& any) {
-        const bool is_quick = lengths_.care() == LoopCare::quick;
-        const size_t first = ids_.size();
-        ++stamp_;
-        for (uint64_t i = loops_.offsets[first_loop]; i < loops_.crossings.size(); ++i)
-            stamped_[mesh_.face[loops_.crossings[i]]] = stamp_;
-        const double most = PANTS_BATCH * length(all.first + all.taken);
-        for (size_t k = all.first; k < all.end; ++k) {
-            const Strip strip = strip_[k];
-            bool fits = length(k) <= most && !(is_quick && strip.holes <= 4); // two in a piece with four are one class
-            for (size_t i = 0; fits && i < strip.size; ++i)
-                fits = stamped_[mesh_.face[strips_[strip.first + i]]] != stamp_;
-            if (fits && !(ids_.push(ids_[k]) && strip_.push(strip))) return false;
-            if (fits && is_quick) break;
-        }
-        any = ids_.size() > first;
-        return !any || choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
     }
 
     // The loop of the last choice: the pulled strip of the class if that meets no other loop.
@@ -342,8 +305,6 @@ private:
     Array<uint32_t> cycle_;
     double allowed_ = 0;       // regions to be settled in all searches up to the next loop
     Array<double> face_bound_; // of the cycles through a face, which only get longer as loops are added
-    Array<uint32_t> stamped_;  // per face: the last stamp of a batch that passes it
-    uint32_t stamp_ = 0;
     Signatures signatures_;
     LoopSearch search_;
 };

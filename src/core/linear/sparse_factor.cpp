@@ -8,9 +8,8 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t NOWHERE = UINT32_MAX;
-constexpr uint32_t SMALL = 24;           // unknowns that are numbered as they come
-constexpr double LEAST_PIVOT = 1e-15;    // of the diagonal; less is a kernel, rounding, or a row left out
-constexpr uint32_t FACTOR_STRIDE = 4096; // rows between two reports
+constexpr uint32_t SMALL = 24;        // unknowns that are numbered as they come
+constexpr double LEAST_PIVOT = 1e-15; // of the diagonal; less is a kernel, rounding, or a row left out
 
 // Nested dissection.
 class Dissection {
@@ -112,24 +111,23 @@ Done SparseFactor::find_tree(const SignedMatrix& matrix, Call& call, uint64_t& e
         || !count.allocate_filled(call.memory, n, 0u) || !first_.allocate(call.memory, size_t{n} + 1))
         return false;
     for (uint32_t k = 0; k < n; ++k) {
-        if (k % FACTOR_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t i = unknown_[k];
+        const uint64_t before = entries;
         seen[k] = k;
         for (uint32_t t = matrix.offset[i]; t < matrix.offset[i + 1]; ++t) {
             if (matrix.entry[t] == 0) continue;
             for (uint32_t j = place_[matrix.column[t]]; j < k && seen[j] != k; j = parent_[j]) {
                 if (parent_[j] == NOWHERE) parent_[j] = k;
                 ++count[j];
+                ++entries;
                 seen[j] = k;
             }
         }
+        if (!call.work(entries - before + matrix.offset[i + 1] - matrix.offset[i])) return false;
+        if (entries > MOST_ENTRIES * n) return true;
     }
-    entries = 0;
-    for (uint32_t k = 0; k < n; ++k) {
-        first_[k] = entries;
-        entries += count[k];
-    }
-    first_[n] = entries;
+    first_[0] = 0;
+    for (uint32_t k = 0; k < n; ++k) first_[k + 1] = first_[k] + count[k];
     return true;
 }
 
@@ -143,8 +141,8 @@ Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call, double shif
         return false;
     for (uint32_t k = 0; k < n; ++k) end[k] = first_[k];
     for (uint32_t k = 0; k < n; ++k) {
-        if (k % FACTOR_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t i = unknown_[k];
+        uint64_t steps = matrix.offset[i + 1] - matrix.offset[i];
         double pivot = matrix.diagonal[i] + shift;
         // Its columns, each before those above it in the tree: way[top], ..
         uint32_t top = n;
@@ -163,12 +161,14 @@ Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call, double shif
             const uint32_t j = way[top];
             const double value = y[j], part = value / diagonal_[j];
             y[j] = 0;
+            steps += 1 + end[j] - first_[j];
             for (uint64_t p = first_[j]; p < end[j]; ++p) y[row_[p]] -= entry_[p] * value;
             pivot -= part * value;
             row_[end[j]] = k;
             entry_[end[j]++] = part;
         }
         diagonal_[k] = pivot > LEAST_PIVOT * matrix.diagonal[i] ? pivot : HUGE_VAL;
+        if (!call.work(steps)) return false;
     }
     return true;
 }

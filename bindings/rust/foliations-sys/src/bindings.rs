@@ -272,7 +272,7 @@ pub struct hmf_level_report {
 }
 pub const HMF_HISTORY_INTERPOLATION: i32 = 0;
 pub const HMF_HISTORY_SWEEP: i32 = 1;
-pub const HMF_HISTORY_SOLVE: i32 = 2;
+pub const HMF_HISTORY_LINEAR_SOLVE: i32 = 2;
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone)]
 pub struct hmf_history_entry {

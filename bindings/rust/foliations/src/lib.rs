@@ -19,6 +19,11 @@ mod solve;
 // What applications.h has.
 mod applications;
 
+pub use applications::atlas::Atlas;
+pub use applications::cylinders::{Cylinder, Cylinders};
+pub use applications::parameterize::{MapQuality, Parameterization, Parameterizer};
+pub use applications::quads::{QuadMesh, QuadOptions};
+pub use applications::trace::{Leaves, Line, LineEnd, LineKind, Tracer};
 pub use components::{Component, ComponentSolution, ComponentSolutions, Components};
 pub use error::{Element, Error, Result, Status};
 pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
@@ -27,11 +32,6 @@ pub use loops::{LoopElements, Loops, LoopsKind};
 pub use progress::{with_progress, Progress};
 pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
 pub use threads::with_threads;
-pub use applications::atlas::Atlas;
-pub use applications::cylinders::{Cylinder, Cylinders};
-pub use applications::parameterize::{MapQuality, Parameterization, Parameterizer};
-pub use applications::quads::{QuadMesh, QuadOptions};
-pub use applications::trace::{Leaves, Line, LineEnd, LineKind, Tracer};
 
 /// No element, in arrays where an index is expected.
 pub const NONE: u32 = foliations_sys::HMF_NONE;

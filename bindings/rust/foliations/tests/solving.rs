@@ -106,7 +106,7 @@ fn newton_finds_the_minimum() {
     assert!((report.class_repeats as usize) < hierarchy.level_count());
     assert_eq!(report.levels.len(), hierarchy.level_count());
     for (level, of) in report.levels.iter().enumerate() {
-        assert_eq!(of.vertices as usize, hierarchy.level(level).unwrap().vertex_count);
+        assert_eq!(of.vertex_count as usize, hierarchy.level(level).unwrap().vertex_count);
     }
     assert_eq!(solution.foliation.report().as_ref(), Some(report));
     assert!(report.history.windows(2).all(|pair| pair[0].seconds <= pair[1].seconds));
