@@ -14,9 +14,10 @@
  *
  * The rules of hmf.h apply.  Every result is one structure with counts and flat
  * arrays in one block: free it with hmf_free.  The same input gives the same bits on
- * every machine and for any number of threads.  hmf_solve and hmf_relax store the harmonic
- * foliation in the hmf_foliation, and calls that need it use it.  An hmf_foliation that was
- * made in another way has its values only; these calls compute from them.  Classes of
+ * every machine and for any number of threads.  An hmf_foliation from
+ * hmf_solve or hmf_relax contains the harmonic foliation beside its values, and the functions
+ * below use it where they need it.  One made in another way has only values; the functions
+ * then compute from those.  Classes of
  * errors (100, 200, ...) are those of hmf_status in hmf.h.
  *
  * docs/loops.md, docs/quads.md, docs/atlas.md and docs/mathematics.md explain how
@@ -43,7 +44,7 @@ typedef struct hmf_component {
                                     mollify and marked vertices and all other options at their defaults */
     int32_t element;             /* HMF_ELEMENT_* that is wrong */
     uint64_t index;              /* of the element, in the whole mesh */
-    uint64_t genus;              /* 0 unless status is HMF_OK or HMF_ERROR_MESH_GENUS, like boundary_count */
+    uint64_t genus;              /* genus and boundary_count are 0 unless status is HMF_OK or HMF_ERROR_MESH_GENUS */
     uint64_t boundary_count;
     uint64_t first_vertex;
     uint64_t vertex_count;
@@ -153,15 +154,17 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
 typedef enum hmf_loops_kind {
     HMF_LOOPS_CUT = 1,           /* as many loops as the genus; cut along them, the surface is one sphere with holes. In
                                     genus 0: loops around pairs of marked vertices instead */
-    HMF_LOOPS_HANDLE = 2,        /* like CUT, but each loop goes around a handle: it bounds a surface inside */
-    HMF_LOOPS_TUNNEL = 3,        /* like CUT, but each loop goes around a tunnel: it bounds a surface outside */
+    HMF_LOOPS_HANDLE = 2,        /* like CUT, but each loop goes around a handle: it bounds a surface in the
+                                    solid that the mesh encloses */
+    HMF_LOOPS_TUNNEL = 3,        /* like CUT, but each loop goes around a tunnel: it bounds a surface outside
+                                    the solid */
     HMF_LOOPS_PANTS = 4          /* 3 * genus - 3 + marked_count loops (one on a torus without marked vertices); cut
                                     along them, the surface splits into spheres with three holes (pairs of pants), where
                                     a marked vertex counts as a hole */
 } hmf_loops_kind;
 /* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many others as the genus.  In
-   genus 0 with marked vertices inside, there are further loops instead, each around two of these vertices, or around
-   one and a boundary.  A disk with fewer than two marked vertices inside has arcs instead, each around two neighboring
+   genus 0 with marked vertices inside, there are also loops that each go around two of these vertices, or around one and
+   a boundary.  A disk with fewer than two marked vertices inside has only arcs: each cuts off a piece with two neighboring
    marked vertices of the boundary.
    PANTS has as many loops and arcs as fit: together with their mirror images they are a pants decomposition of the
    double (the surface glued to its mirror image).  HANDLE and TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
@@ -209,8 +212,9 @@ HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hm
 
 typedef struct hmf_design_options {
     uint32_t struct_size;
-    int32_t no_poles;            /* 1: add no marked vertices to those of `build`. Exceptions: a sphere, and a disk for
-                                    which `build` has none. 0: default. Others: HMF_ERROR_OPTIONS */
+    int32_t no_poles;            /* 1: use only the marked vertices of `build`, so that there are no other poles;
+                                    without effect on a sphere, and on a disk if `build` has none, which need some.
+                                    0 (default): marked vertices may be added. Others: HMF_ERROR_OPTIONS */
     const hmf_hierarchy_options *build; /* NULL = defaults. Used: position_stride, mollify, memory_limit, allocator, and
                                     marked vertices, which become part of the design */
     uint64_t solve_limit;        /* limit of the search, in units of one solve of a mesh of 1000 vertices (about 3 ms);
@@ -227,9 +231,9 @@ typedef struct hmf_design {
     uint64_t marked_count;
     const uint32_t *marked_vertices; /* marked_count, for hmf_hierarchy_options */
     const hmf_loop_set *loops;   /* triangle loops of level 0, for hmf_solve on a hierarchy with these marked vertices.
-                                    Weights are whole numbers, so that patterns of period 1 match everywhere. With
-                                    weight 1, the strip of leaves has a width of about 1/44 of the diagonal of the
-                                    bounding box.
+                                    Weights are whole numbers, so that a pattern with period 1 in u continues across
+                                    every seam. The leaves that follow a loop of weight 1 fill a strip about as wide
+                                    as 1/44 of the diagonal of the bounding box.
                                     Part of this block: do not free it */
     double unevenness;           /* estimate for this design, see hmf_scale */
     double unevenness_before;    /* estimate for HMF_LOOPS_CUT with weights 1; in genus 0 with a first choice of marked
@@ -251,9 +255,9 @@ typedef struct hmf_design {
  *
  * Tips of limbs (protrusions) that no loop goes around may be marked, because the scale
  * decays there.  The loops are those of HMF_LOOPS_PANTS or HMF_LOOPS_CUT on the surface
- * with its marked vertices, without those of weight 0.  With boundary, the marked vertices
- * are those of options->build or, without any, those of hmf_suggest_marks.  If that gives
- * none, tips are marked only where this makes the scale more even.
+ * with its marked vertices, without those of weight 0.  On a surface with boundary, the
+ * marked vertices are those of options->build; if there are none, those of hmf_suggest_marks;
+ * if these are none either, tips of limbs, each only if the mark makes the scale more even.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found, or an error
  * of hmf_hierarchy_create.
@@ -304,7 +308,8 @@ typedef struct hmf_parameterization {
     double area;                 /* of the image: the energy, up to discretization */
     uint64_t linear_iterations;  /* of the linear solver */
     double seconds;              /* duration of the call */
-    /* What the checks measured.  The energy of du is the sum of weight * du^2. */
+    /* What the checks measured.  The energy of du is the sum of cotangent weight * du^2
+       over the edges. */
     double energy_ratio;         /* energy of du / energy of the foliation, in (0.9, 1.5); not exactly 1, because zeros
                                     are moved to vertices */
     double area_error;           /* relative difference of the area of the image and the energy of du, at most 1e-4 */
@@ -327,16 +332,16 @@ typedef struct hmf_parameterization {
  *
  * This holds without rounding: every number is k times one fixed power of two, with an
  * integer |k| < 2^53.  Edges that are not seams, and boundary edges, have (1, 0, 0).  The square
- * (du + i dv)^2 does not depend on the sign, so it is the same on both sides of a seam: the
- * holomorphic quadratic differential.  It is given per triangle as the square of
+ * (du + i dv)^2 does not depend on the sign, so it is the same on both sides of a seam.
+ * It is the holomorphic quadratic differential, given per triangle as the square of
  * d(u + i v) / dz, in the unit (values / positions) squared, where z = x + i y in the
  * frame of the triangle: x along its side 0, y to the left of it.
  *
  * Zeros in triangles are moved to vertices that are not marked, at most one to a vertex;
- * near the zeros u differs from the foliation accordingly.  A zero of order m has the cone
- * angle (2 + m) * pi, a marked vertex that is a pole has pi, and the sum of (2 - cone) is
- * 4 - 4 * genus.  (At a marked vertex, the index of hmf_singularities is one less than
- * 2 - cone, elsewhere it is the same.)  At a vertex of the boundary, cone is the angle in the
+ * near the zeros u differs from the foliation accordingly.  The cone angle is
+ * (2 + m) * pi at an unmarked zero of order m, (1 + m) * pi at a marked vertex reported as a
+ * zero of order m, and pi at a marked vertex that is a pole.  On a closed surface the sum of
+ * (2 - cone) is 4 - 4 * genus.  At a vertex of the boundary, cone is the angle in the
  * double (the surface and its mirror image, glued along the boundary): 2 where the
  * boundary is straight, 1 at a corner of 90 degrees.  Triangles where the foliation is 0
  * (on limbs that no loop goes around) are degenerate.
@@ -345,10 +350,10 @@ typedef struct hmf_parameterization {
  * leaves, du and dv are closed in every triangle, the linear solves have converged, energies,
  * areas and circumferences are within the bounds above, and the sum of the absolute areas of
  * the triangles is at most 1.5 times the energy of the foliation, so no large part is folded.
- * Small folds are possible; flipped_count counts their triangles.  A zero that is moved to a
- * vertex may cross all leaves of a cylinder that is thinner than the triangles.  The
- * circumferences of all such thin cylinders are checked together, as that of one cylinder whose
- * area is the energy of du minus the areas of the cylinders that are not thin.
+ * Small folds are possible; flipped_count counts their triangles.  A cylinder that is thinner
+ * than the triangles may lose all its leaves when a zero is moved across it, so its circumference
+ * cannot be checked alone.  All thin cylinders are checked together, as if they were one.  Its
+ * area is what the other cylinders leave over: the energy of du minus their areas.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
  * 200, 500, or HMF_ERROR_UNSUPPORTED: the mesh is too coarse (it has too few vertices for its
