@@ -162,12 +162,12 @@ typedef enum hmf_loops_kind {
                                     along them, the surface splits into spheres with three holes (pairs of pants), where
                                     a marked vertex counts as a hole */
 } hmf_loops_kind;
-/* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many others as the genus.  In
-   genus 0 with marked vertices inside, there are also loops that each go around two of these vertices, or around one and
-   a boundary.  A disk with fewer than two marked vertices inside has only arcs: each cuts off a piece with two neighboring
-   marked vertices of the boundary.
-   PANTS has as many loops and arcs as fit: together with their mirror images they are a pants decomposition of the
-   double (the surface glued to its mirror image).  HANDLE and TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
+/* With boundary, CUT has one loop along each boundary (an annulus: one in all) and as many others as the genus. In
+   genus 0 with marked vertices inside, there are also loops that each go around two of these vertices, or around one
+   and a boundary. A disk with fewer than two marked vertices inside has only arcs: each cuts off a piece with two
+   neighboring marked vertices of the boundary. PANTS has as many loops and arcs as fit: together with their mirror
+   images they are a pants decomposition of the double (the surface glued to its mirror image). HANDLE and TUNNEL:
+   HMF_ERROR_MESH_BOUNDARY. */
 
 /*
  * Chooses loops on a level, as loops of triangles: simple, disjoint, essential (not trivial,
