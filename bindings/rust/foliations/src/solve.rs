@@ -339,11 +339,11 @@ codes! {
     /// What an entry of the history comes after.
     HistoryKind: u32 {
         /// The way from the next coarser level.
-        Interpolation = 0,
+        Interpolation = sys::HMF_HISTORY_INTERPOLATION as u32,
         /// A sweep of Whitehead moves.
-        Sweep = 1,
+        Sweep = sys::HMF_HISTORY_SWEEP as u32,
         /// A linear system.
-        LinearSolve = 2,
+        LinearSolve = sys::HMF_HISTORY_LINEAR_SOLVE as u32,
     }
 }
 

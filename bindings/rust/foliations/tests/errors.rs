@@ -303,7 +303,9 @@ fn nothing_of_the_headers_is_missing() {
     };
     let mut own = String::new();
     let sources = |folder| std::fs::read_dir(format!("{crates}/foliations/src/{folder}")).unwrap();
-    for file in sources("").chain(sources("uses")).map(|file| file.unwrap().path()).filter(|path| path.is_file()) {
+    for file in
+        sources("").chain(sources("applications")).map(|file| file.unwrap().path()).filter(|path| path.is_file())
+    {
         own += &std::fs::read_to_string(file).unwrap();
     }
     let words: std::collections::HashSet<_> = own.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
