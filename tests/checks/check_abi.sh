@@ -74,7 +74,7 @@ if ! describe "$root/include" "$work/now"; then
 fi
 if [ "$mode" = --record ]; then
     mkdir -p "$root/tests/checks/abi"
-    cp "$work/now.abi" "$record.abi" && cp "$work/now.constants" "$record.constants"
+    sed "s|$work/||" "$work/now.abi" > "$record.abi" && cp "$work/now.constants" "$record.constants"
     echo "recorded: $record.abi"
     exit
 fi
