@@ -579,9 +579,8 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t numberings = 8 * (E + coarse);                // V + F is E, but for the genus
     const uint64_t mesh = 24 * E + 4 * V, coarse_meshes = 24 * coarse + 4 * coarse_vertices;
     const uint64_t ordering = input + 40 * V; // positions, and the two lists of the sort
-    // Ordered triangles; marks and one bucket, which may hold most sides, then the
-    // metric, which is larger.  12 V: before unused vertices are refused, there
-    // may be more of them than edges.
+    // Ordered triangles and the metric.  12 V: before unused vertices are refused,
+    // there may be more of them than edges.
     const uint64_t loading = input + work + 16 * F + 12 * V + metric + 8 * E; // 8: of the sums of cotangents
     // The log of flips grows by doubling: three times its length while it does.
     const uint64_t coarsening = input + work + metric + log + 3 * flips + geometry + numberings + mesh + 8 * coarse;
