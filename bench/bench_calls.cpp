@@ -1,29 +1,16 @@
-// Every call of the interface: its processor time, and the longest time
-// between two calls of the progress function, which bounds how long a
-// cancellation takes.
+// Every call of the interface: its processor time, and the longest time between two calls of the progress
+// function, which bounds how long a cancellation takes.
 //
-//     bench_calls [-r N] MESH ...        table, medians of N repetitions (3)
-//     bench_calls --plain -r N MESH      lines "name seconds", for calls_against.sh
-#include <time.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
+//     bench_calls [-r N] MESH.obj
+//
+// Rows: "call", medians of N repetitions (3).
 #include <functional>
-#include <string>
-#include <vector>
 
-#include "../include/hmf/applications.h"
-#include "each_mesh.hpp"
+#include "measure.hpp"
 
 namespace {
 
-double now() {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+using namespace measure;
 
 // The longest time between two reports, the beginning and the end of the call included.
 struct Gaps {
@@ -34,13 +21,13 @@ struct Gaps {
         return HMF_PROGRESS_CONTINUE;
     }
     void meet() {
-        const double t = now();
+        const double t = processor();
         longest = std::max(longest, t - last);
         last = t;
     }
 };
 
-struct Row {
+struct Samples {
     std::string name;
     std::vector<double> seconds, gap;
 };
@@ -57,42 +44,40 @@ public:
         Gaps gaps;
         const hmf_control control{sizeof(hmf_control), 0, Gaps::report, &gaps, nullptr, nullptr};
         hmf_error error{};
-        const double start = gaps.last = now();
+        const double start = gaps.last = processor();
         if (call(&control, &error) != HMF_OK) {
             std::fprintf(stderr, "%s: %s\n", name, error.message);
             std::exit(1);
         }
         gaps.meet();
-        auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.name == name; });
-        if (row == rows_.end()) row = rows_.insert(rows_.end(), Row{name, {}, {}});
-        row->seconds.push_back(now() - start);
+        auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Samples& r) { return r.name == name; });
+        if (row == rows_.end()) row = rows_.insert(rows_.end(), Samples{name, {}, {}});
+        row->seconds.push_back(processor() - start);
         row->gap.push_back(gaps.longest);
     }
-    void print(const std::string& mesh, double edges, bool plain) const {
-        if (!plain) {
-            std::printf(
-                "\n%s, %.0f edges\n\n| call | seconds | longest gap ms | for a million edges |\n|---|--:|--:|--:|\n",
-                mesh.c_str(), edges);
-        }
-        for (const Row& r : rows_) {
-            if (plain) std::printf("%s %.6f\n", r.name.c_str(), median(r.seconds));
-            else
-                std::printf("| %s | %.3f | %.1f | %.1f |\n", r.name.c_str(), median(r.seconds), 1e3 * median(r.gap),
-                            1e9 * median(r.gap) / edges);
-        }
+    void print(const std::string& mesh, double edges) const {
+        for (const Samples& r : rows_)
+            Row("call")
+                .text("mesh", mesh)
+                .number("edges", edges)
+                .text("call", r.name)
+                .number("seconds", median(r.seconds))
+                .number("gap", median(r.gap))
+                .number("gap_ms_per_million_edges", 1e9 * median(r.gap) / edges)
+                .print();
     }
 
 private:
-    std::vector<Row> rows_;
+    std::vector<Samples> rows_;
 };
 
-void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
+void run(const Mesh& mesh, Table& table, double& edges) {
     hmf_hierarchy* h = nullptr;
     hmf_loop_set* loops = nullptr;
     hmf_foliation *f = nullptr, *g = nullptr;
     table.measure("build", [&](const hmf_control* c, hmf_error* e) {
-        return hmf_hierarchy_create(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                    mesh.triangle_count(), nullptr, c, &h, e);
+        return hmf_hierarchy_create(mesh.position.data(), mesh.vertices(), mesh.triangle.data(), mesh.triangles(),
+                                    nullptr, c, &h, e);
     });
     edges = static_cast<double>(hmf_hierarchy_describe(h)->levels[0].edge_count);
     const struct {
@@ -163,23 +148,17 @@ void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
 } // namespace
 
 int main(int argc, char** argv) {
-    bool plain = false;
     int repetitions = 3;
-    std::vector<std::string> paths;
+    std::string path;
     for (int i = 1; i < argc; ++i) {
-        if (!std::strcmp(argv[i], "--plain")) plain = true;
-        else if (!std::strcmp(argv[i], "-r") && i + 1 < argc) repetitions = std::max(1, std::atoi(argv[++i]));
-        else paths.push_back(argv[i]);
+        if (!std::strcmp(argv[i], "-r") && i + 1 < argc) repetitions = std::max(1, std::atoi(argv[++i]));
+        else path = argv[i];
     }
-    if (paths.empty()) {
-        std::fprintf(stderr, "usage: bench_calls [--plain] [-r N] MESH ...\n");
-        return 2;
-    }
-    const bool read = for_each_mesh(paths, [&](const readers::TriangleMesh& mesh, const std::string& name) {
-        Table table;
-        double edges = 0;
-        for (int r = 0; r < repetitions; ++r) run(mesh, table, edges);
-        table.print(name, edges, plain);
-    });
-    return read ? 0 : 1;
+    if (path.empty()) return std::fprintf(stderr, "bench_calls [-r N] MESH.obj\n"), 2;
+    const Mesh mesh = read_mesh(path);
+    Table table;
+    double edges = 0;
+    for (int r = 0; r < repetitions; ++r) run(mesh, table, edges);
+    table.print(mesh.name, edges);
+    return 0;
 }

@@ -4,7 +4,7 @@
 #     bench/instructions.sh [COMMIT]      default: HEAD if there are changes that are not committed, else HEAD^
 #
 # Counts by callgrind (valgrind) on the surfaces of tests/checks/consumers/hashes.c: inclusive instructions of each public
-# function over all of them.  They say nothing of caches and threads; bench_pipeline and calls_against.sh measure time.
+# function over all of them.  They say nothing of caches and threads; bench/run.sh measures time.
 # Fails if a call that takes more than 1 % of all has lost more than LOSS per cent (default 2).
 # Environment: LOSS, FLAGS (default "-O3 -DNDEBUG"), JOBS
 set -eu

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Figures that appear on two pages agree, short pages stay short, answers are near, and the spelling is American.
 
-- The performance table of README.md has the medians of bench/README.md.
-- The summary in docs/quads.md has the medians and sums of bench/quads.md.
+- Measured numbers are those of bench/recorded (measured.py).
 - docs/reliability.md names variants that exist, all fuzz targets, the gate of coverage and the number of defects.
 - README.md has at most 1000 words, docs/reliability.md 1500; a version in CHANGELOG.md at most 20 lines.
 - What a newcomer asks first is answered at most two links from README.md.
@@ -12,9 +11,10 @@ Prints "ok" or "not ok" for each.
 """
 
 import re
-import statistics
 import sys
 from pathlib import Path
+
+import measured
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("*.md", ".github/**/*.md", "docs/*.md", "bench/*.md", "src/*.md", "bindings/**/*.md")
@@ -34,7 +34,6 @@ ANSWERS = {
     "cite": "family-names: Wang",
     "ask a question": "template \"Question\"",
 }
-PROGRAMS = ("hmf", "QuadriFlow", "Instant Meshes")
 
 
 def text(name: str) -> str:
@@ -51,43 +50,9 @@ def table_with(name: str, *titles: str) -> list:
     return next(table for table in tables(name) if set(titles) <= set(table[0]))
 
 
-def performance() -> list:
-    """What README.md says otherwise than bench/README.md."""
-    measured = table_with("bench/README.md", "mesh", "edges", "job s", "Cholesky s")
-    column = {title: i for i, title in enumerate(measured[0])}
-    wrong = []
-    shown = table_with("README.md", "mesh", "edges", "CHOLMOD")
-    for mesh, edges, _, job, cholesky, ratio in shown[2:]:
-        row = next((row for row in measured if row[0].startswith(mesh + "_")), None)
-        titles = ("edges", "job s", "Cholesky s", "job / Cholesky")
-        cells = row and [row[column[title]].split(" [")[0] for title in titles]
-        if cells != [edges, job.removesuffix(" s"), cholesky.removesuffix(" s"), ratio]:
-            wrong.append(f"{mesh}: {cells} was measured")
-    return wrong + ([] if len(shown) > 3 else ["no rows"])
-
-
-def quads() -> list:
-    """What docs/quads.md says otherwise than bench/quads.md."""
-    measured = table_with("bench/quads.md", "mesh", "program", "irregular")
-    column = {title: i for i, title in enumerate(measured[0])}
-    rows = {program: [row for row in measured[2:] if row[1] == program] for program in PROGRAMS}
-
-    def numbers(program: str, title: str) -> list:
-        return [float(row[column[title]]) for row in rows[program]]
-    wrong = []
-    shown = table_with("docs/quads.md", *PROGRAMS)
-    summary = {"irregular": statistics.median, "inverted": sum, "sound": None, "angle": statistics.median,
-               "aspect": statistics.median, "spread": statistics.median, "distance": statistics.median,
-               "seconds": statistics.median}
-    for row, (title, how) in zip(shown[2:], summary.items()):
-        for program, cell in zip(PROGRAMS, row[1:]):
-            value = how(numbers(program, title)) if how else sum(r[column[title]] != "yes" for r in rows[program])
-            digits = len(cell.partition(".")[2])
-            if abs(value - float(cell)) > 0.5001 * 10**-digits:
-                wrong.append(f"{row[0]}, {program}: {cell}, the table has {value:.4g}")
-    if f"Medians over {len(rows['hmf'])} meshes" not in text("docs/quads.md"):
-        wrong.append(f"the table has {len(rows['hmf'])} meshes")
-    return wrong
+def numbers() -> list:
+    """Numbers on the pages that bench/recorded has otherwise."""
+    return measured.wrong()
 
 
 def reliability() -> list:
@@ -139,7 +104,7 @@ def spelling() -> list:
 
 
 failed = 0
-for check in (performance, quads, reliability, lengths, answers, spelling):
+for check in (numbers, reliability, lengths, answers, spelling):
     told = check()
     failed |= bool(told)
     print(f"{'not ok' if told else 'ok'} {check.__name__}", *told, sep="\n    ")

@@ -56,9 +56,6 @@ SITE = {
         ("Map of the source", "source.md", "src/README.md"),
         ("Reliability", "reliability.md", "docs/reliability.md"),
         ("Benchmarks", "benchmarks.md", "bench/README.md"),
-        ("Conformality", "conformality.md", "bench/conformality.md"),
-        ("Even designs", "design.md", "bench/design.md"),
-        ("Quads of other programs", "quad_peers.md", "bench/quads.md"),
         ("Constants of the solver", "steering.md", "bench/steering.md"),
     ],
     "Project": [

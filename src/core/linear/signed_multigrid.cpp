@@ -119,12 +119,6 @@ void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed
     if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), changed, parallel);
 }
 
-double SignedMultigrid::operator_complexity() const {
-    double all = 0;
-    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + level_[l].matrix.stored_entries();
-    return level_count_ ? all / (level_[0].n + level_[0].matrix.stored_entries()) : 1;
-}
-
 // --- Cycle -------------------------------------------------------------------
 
 float* SignedMultigrid::next_right(uint32_t l) {

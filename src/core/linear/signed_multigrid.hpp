@@ -97,9 +97,6 @@ public:
     LinearResult solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
                        uint32_t iteration_limit, Call& call, const LinearOptions& options = {});
 
-    uint32_t level_count() const { return level_count_ + (coarsest_.empty() ? 0 : 1); }
-    double operator_complexity() const; // stored entries of all sparse levels / of the finest
-
 private:
     float* next_right(uint32_t level);
     const float* next_solution(uint32_t level) const;

@@ -88,11 +88,6 @@ public:
                                const Parallel& parallel) const;
 
     uint32_t segments() const { return kinds * parts_; }
-    double stored_entries() const {
-        return static_cast<double>(narrow_.lower.size() + narrow_.upper.size() + wide_.lower.size()
-                                   + wide_.upper.size())
-             * GROUP_SIZE;
-    }
 
 private:
     // Entries of a row, padded with zeros: most rows of a mesh have one group of entries before the row in a sweep and

@@ -1,0 +1,1 @@
+"""Measures hmf and writes one report: see bench/README.md."""
