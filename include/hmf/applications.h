@@ -7,6 +7,7 @@
  *     hmf_even_design    chooses marked vertices, loops and weights with a nearly constant scale
  *     hmf_parameterize   (u, v) for each corner, conformal up to discretization
  *     hmf_conformal_scale  local scale of (u, v)
+ *     hmf_harmonic_forms a basis of the harmonic 1-forms, and the period matrix
  *     hmf_trace          leaves as polylines
  *     hmf_cylinders      heights, circumferences, moduli, areas
  *     hmf_quads          a quad mesh along the leaves
@@ -384,6 +385,67 @@ typedef struct hmf_scale {
    Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200. */
 HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, hmf_scale **out,
                                        hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Harmonic 1-forms
+ * --------------------------------------------------------------------- */
+
+/* A basis of the harmonic 1-forms of a closed surface: n = 2 genus real forms a[0], ...,
+   a[genus-1], b[0], ..., b[genus-1] (form i is a[i], form genus + i is b[i]).  Matrices are
+   stored by rows: entry (i, j) of an n x n matrix is at n * i + j. */
+typedef struct hmf_form_set {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t level;
+    uint64_t genus;
+    uint64_t form_count;         /* n = 2 genus */
+    uint64_t edge_count;         /* of the level */
+    const double *values;        /* n x edge_count: the integral of form i along edge e, from the first vertex of the
+                                    edge to the second (edge_vertices of hmf_level) */
+    const int32_t *intersections; /* n x n: the integral of form i ^ form j over the surface: 1 for a[k], b[k], -1 for
+                                    b[k], a[k], else 0 */
+    const double *inner_products; /* n x n: <form i, form j>, symmetric and positive definite; the diagonal has the
+                                    Dirichlet energies */
+    const double *conjugation;   /* n x n: *form j = sum over i of entry (i, j) times form i, up to discretization; *
+                                    turns a form by 90 degrees counter-clockwise */
+    const double *period_real;   /* genus x genus, symmetric */
+    const double *period_imaginary; /* genus x genus, symmetric and positive definite */
+    double residual;             /* largest of all forms: divergence at the vertices, relative to the sum of absolute
+                                    fluxes (root mean squares); at most 1e-8 */
+    double conjugation_error;    /* largest absolute entry of conjugation^2 + identity; falls with the size of the
+                                    triangles */
+} hmf_form_set;
+
+/*
+ * Computes a basis of the harmonic 1-forms of a closed surface.  A form is one number per
+ * edge; in each triangle the three numbers add up to exactly 0 (closed), and the numbers
+ * along a closed path of edges add up to an integer, its period.  Among all closed forms with
+ * the same periods, each form has the least energy (harmonic).  Forms, inner products and
+ * periods do not depend on marked vertices.
+ *
+ * With p = period_real + i period_imaginary, the forms a[k] + sum over j of p(k, j) b[j] are
+ * holomorphic up to discretization, and p is the period matrix of the Riemann surface for
+ * this basis: that of the conjugation nearest to the one returned whose square is exactly -1.
+ * Another basis, for instance on another level, has another period matrix; an integer
+ * symplectic matrix leads from one to the other.
+ *
+ *   hierarchy   a closed surface; of genus 0 it has no forms, and all arrays are empty
+ *   level       0 to level_count - 1
+ *   control     NULL, or threads, progress and limits
+ *   out         free with hmf_free
+ *
+ * Returns HMF_OK, HMF_CANCELLED, an error of classes 100, 200, 500, HMF_ERROR_LEVEL, or
+ * HMF_ERROR_UNSUPPORTED: the surface has boundary, the linear systems could not be solved
+ * accurately enough, or the canonical basis needs integers above 2^20.
+ *
+ * Before the result is returned it is checked: each form is closed in every triangle, its
+ * integrals with the basis are the integers above, both exactly, and residual is at most 1e-8.
+ * Memory: 8 bytes for each form and edge, and what one solve of a foliation needs.
+ * Source: Gu and Yau, "Global conformal surface parameterization" (2003); docs/mathematics.md.
+ */
+HMF_API hmf_status hmf_harmonic_forms(const hmf_hierarchy *hierarchy, size_t level, const hmf_control *control,
+                                      hmf_form_set **out, hmf_error *error);
+
 
 /* ------------------------------------------------------------------------
  * Leaves, cylinders, quads

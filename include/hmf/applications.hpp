@@ -75,6 +75,31 @@ inline ConformalScale conformal_scale(const Foliation& foliation, const Progress
     return ConformalScale(detail::make<hmf_scale>(progress, hmf_conformal_scale, foliation.get()));
 }
 
+class HarmonicForms : public Result<hmf_form_set> {
+public:
+    using Result::Result;
+    Span<double> form(std::size_t i) const noexcept { /* edge_count */
+        return span(get()->values + i * get()->edge_count, get()->edge_count);
+    }
+    Span<int32_t> intersections() const noexcept { return matrix(get()->intersections, get()->form_count); }
+    Span<double> inner_products() const noexcept { return matrix(get()->inner_products, get()->form_count); }
+    Span<double> conjugation() const noexcept { return matrix(get()->conjugation, get()->form_count); }
+    Span<double> period_real() const noexcept { return matrix(get()->period_real, get()->genus); }
+    Span<double> period_imaginary() const noexcept { return matrix(get()->period_imaginary, get()->genus); }
+
+private:
+    template <class E>
+    static Span<E> matrix(const E* data, uint64_t n) noexcept {
+        return span(data, n * n);
+    }
+};
+
+/* hmf_harmonic_forms */
+inline HarmonicForms harmonic_forms(const Hierarchy& hierarchy, std::size_t level = 0,
+                                    const ProgressFunction& progress = nullptr) {
+    return HarmonicForms(detail::make<hmf_form_set>(progress, hmf_harmonic_forms, hierarchy.get(), level));
+}
+
 /* hmf_parameterize_options; zero means the default. */
 struct ParameterizeOptions {
     double tolerance = 0;

@@ -93,6 +93,21 @@ TEST(Hpp, EvenDesign) {
     EXPECT_TRUE(hmf::even_design(m.positions, m.triangles, plain).marked_vertices().size() == 0);
 }
 
+TEST(Hpp, HarmonicForms) {
+    const test::TriMesh m = test::pretzel(2, 1);
+    const hmf::Hierarchy hierarchy(m.positions, m.triangles);
+    const hmf::HarmonicForms forms = hmf::harmonic_forms(hierarchy);
+    EXPECT_EQ(forms.form(3).size(), hierarchy.level(0).edge_count);
+    for (const std::size_t size :
+         {forms.intersections().size(), forms.inner_products().size(), forms.conjugation().size()})
+        EXPECT_EQ(size, 16u);
+    EXPECT_EQ(forms.intersections()[2], 1);
+    EXPECT_NEAR(forms.conjugation()[8], forms.inner_products()[0], 1e-12);
+    EXPECT_EQ(forms.period_real()[1], forms.period_real()[2]);
+    EXPECT_GT(forms.period_imaginary()[3], 0);
+    EXPECT_THROW(hmf::harmonic_forms(hierarchy, 99), hmf::Error);
+}
+
 TEST(Hpp, SpansOfManyContainers) {
     const test::TriMesh m = mesh();
     std::vector<std::array<double, 3>> points(m.vertex_count());

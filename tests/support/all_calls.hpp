@@ -40,6 +40,18 @@ inline Bits bits_of(const hmf_scale& s) {
     return bits;
 }
 
+inline Bits bits_of(const hmf_form_set& s) {
+    const uint64_t n = s.form_count;
+    Bits bits{s.residual, s.conjugation_error};
+    append(bits, s.values, n * s.edge_count);
+    append(bits, s.intersections, n * n);
+    append(bits, s.inner_products, n * n);
+    append(bits, s.conjugation, n * n);
+    append(bits, s.period_real, s.genus * s.genus);
+    append(bits, s.period_imaginary, s.genus * s.genus);
+    return bits;
+}
+
 inline Bits bits_of(const hmf_loop_set& s) {
     Bits bits{static_cast<double>(s.element_kind), static_cast<double>(s.level)};
     append(bits, s.offsets, s.count + 1);
@@ -213,6 +225,8 @@ private:
         for (const size_t level : {size_t{0}, size_t{1}})
             add<hmf_level_mesh>("hmf_level",
                                 [this, level](auto c, auto out, auto e) { return hmf_level(h, level, c, out, e); });
+        add<hmf_form_set>("hmf_harmonic_forms",
+                          [this](auto c, auto out, auto e) { return hmf_harmonic_forms(h, 0, c, out, e); });
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS})
             add<hmf_loop_set>("hmf_loops",
                               [this, kind](auto c, auto out, auto e) { return hmf_loops(h, 0, kind, c, out, e); });

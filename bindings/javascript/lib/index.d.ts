@@ -199,6 +199,8 @@ export interface Hierarchy extends Disposable {
 
     /** Chooses loops; default: a cut system on the coarsest level. */
     loops(options?: LoopsOptions): LoopSet;
+    /** A basis of the harmonic 1-forms of a closed surface, and its period matrix; default: on level 0. */
+    harmonicForms(options?: ProgressOptions & { level?: number }): HarmonicForms;
     /** The closed initial foliation of loops on their level; default: of `loops()`. */
     initialize(loops: LoopSet, options?: ProgressOptions): Foliation;
     /** The harmonic foliation in the class of the loops.  Limits do not throw: see `report.status`. */
@@ -431,6 +433,34 @@ export interface ParameterizeOptions extends ProgressOptions {
     tolerance?: number;
     /** Edges where seams cost nothing, so that they run there if they can. */
     seamEdges?: Numbers;
+}
+
+/**
+ * A basis of the harmonic 1-forms of a closed surface: n = 2 genus forms a[0], a[1], ..., then b[0], b[1], ...
+ * In each triangle the three numbers of a form add up to exactly 0, along a closed path of edges they add up to an
+ * integer. Matrices are stored by rows: entry (i, j) of an n x n matrix is at n * i + j.
+ */
+export interface HarmonicForms {
+    level: number;
+    genus: number;
+    formCount: number;
+    edgeCount: number;
+    /** formCount x edgeCount: the integral of each form along each edge, from its first vertex to its second. */
+    values: Float64Array;
+    /** n x n: the integral of form i ^ form j over the surface: 1 for a[k], b[k], -1 for b[k], a[k], else 0. */
+    intersections: Int32Array;
+    /** n x n: symmetric and positive definite. */
+    innerProducts: Float64Array;
+    /** n x n: the conjugate of form j is the sum over i of entry (i, j) times form i, up to discretization. */
+    conjugation: Float64Array;
+    /** genus x genus: real part of the period matrix, symmetric. */
+    periodReal: Float64Array;
+    /** genus x genus: imaginary part of the period matrix, symmetric and positive definite. */
+    periodImaginary: Float64Array;
+    /** Largest divergence at the vertices, relative to the fluxes; at most 1e-8. */
+    residual: number;
+    /** Largest absolute entry of conjugation^2 + identity. */
+    conjugationError: number;
 }
 
 /**

@@ -5,6 +5,7 @@ import { Hierarchy, evenDesign, memoryEstimate, suggestMarks } from './hierarchy
 import { components, solveComponents } from './components.js';
 import { Foliation } from './foliation.js';
 import { cylinders } from './applications/cylinders.js';
+import { harmonicForms } from './applications/forms.js';
 import { parameterize } from './applications/parameterize.js';
 import { quads } from './applications/quads.js';
 import { atlas } from './applications/atlas.js';
@@ -15,8 +16,12 @@ import { statusName } from './error.js';
 export { HmfError } from './error.js';
 
 // What one does with a foliation (applications.h), apart from what it is like (hmf.h).
-for (const [name, use] of Object.entries({ parameterize, trace, cylinders, quads, atlas }))
-    Object.defineProperty(Foliation.prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
+const attach = (prototype, uses) => {
+    for (const [name, use] of Object.entries(uses))
+        Object.defineProperty(prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
+};
+attach(Foliation.prototype, { parameterize, trace, cylinders, quads, atlas });
+attach(Hierarchy.prototype, { harmonicForms });
 
 export async function load(source) {
     const module = await Module.load(source);

@@ -27,6 +27,21 @@ test('a torus of revolution carries the foliation of its symmetry', () => {
     hierarchy.dispose();
 });
 
+test('the harmonic forms of a torus of revolution have the period of a rectangle', () => {
+    const { positions, triangles } = torus(48, 32), hierarchy = new hmf.Hierarchy(positions, triangles);
+    const forms = hierarchy.harmonicForms();
+    assert.deepEqual([forms.genus, forms.formCount, forms.edgeCount], [1, 2, hierarchy.levels[0].edgeCount]);
+    assert.equal(forms.values.length, 2 * forms.edgeCount);
+    assert.deepEqual([...forms.intersections], [0, 1, -1, 0]);
+    assert.ok(Math.abs(forms.conjugation[2] - forms.innerProducts[0]) < 1e-12);
+    assert.ok(forms.residual < 1e-8 && forms.conjugationError < 0.01 && forms.periodImaginary[0] > 0);
+    // x + iy has the energy (x^2 + y^2) / y of a form with periods; the product of both energies of a rectangle is 1.
+    const [x] = forms.periodReal, [y] = forms.periodImaginary, [a, , , b] = forms.innerProducts;
+    assert.ok(Math.abs(a * b - (x * x + y * y) / (y * y)) < 0.01);
+    assert.throws(() => hierarchy.harmonicForms({ level: 99 }), TypeError);
+    hierarchy.dispose();
+});
+
 test('level 0 is the mesh of the caller', () => {
     const { positions, triangles } = pretzel(2, 2);
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });

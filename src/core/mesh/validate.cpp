@@ -173,35 +173,14 @@ hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint3
         }
     };
     if (!call.pass(mesh.face_count, 0.14, mark)) return HMF_CANCELLED;
-    // Edges that are new in each block, then in all blocks before it.
-    const size_t size = Parallel::pass_block(mesh.face_count);
-    uint32_t before[Parallel::MOST_PARTS], sum = 0;
-    call.parallel.for_blocks(mesh.face_count, size, [&](size_t begin, size_t end) {
-        uint32_t here = 0;
-        for (size_t side = 3 * begin; side < 3 * end; ++side) here += triangle_edges[side] & 1;
-        before[begin / size] = here;
-    });
-    for (size_t k = 0; k * size < mesh.face_count; ++k) {
-        const uint32_t here = before[k]; // NOLINT(clang-analyzer-core*): each block set its number
-        before[k] = sum;
-        sum += here;
+    uint32_t count = 0;
+    for (size_t side = 0; side < size_t{3} * mesh.face_count; ++side) {
+        if (side % 65536 == 0 && !call.tick(0.15)) return HMF_CANCELLED;
+        if ((triangle_edges[side] & 1) == 0) continue;
+        const uint32_t edge = edge_of(triangle_edges[side]);
+        edge_internal[count] = edge;
+        number[edge] = count++;
     }
-    if (!call.tick(0.15)) return HMF_CANCELLED;
-    call.parallel.for_blocks(mesh.face_count, size, [&](size_t begin, size_t end) {
-        constexpr size_t few = 512;
-        uint32_t first[few + 1], count = before[begin / size]; // first: one word more, where what is not counted goes
-        for (size_t side = 3 * begin; side < 3 * end;) {
-            uint32_t found = 0;
-            for (const size_t stop = std::min(side + few, 3 * end); side < stop; ++side) {
-                first[found] = edge_of(triangle_edges[side]);
-                found += triangle_edges[side] & 1;
-            }
-            for (uint32_t n = 0; n < found; ++n, ++count) {
-                edge_internal[count] = first[n];
-                number[first[n]] = count;
-            }
-        }
-    });
     const auto translate = [&](size_t begin, size_t end) {
         for (size_t side = 3 * begin; side < 3 * end; ++side)
             triangle_edges[side] = number[edge_of(triangle_edges[side])];

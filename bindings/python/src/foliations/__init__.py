@@ -34,6 +34,7 @@ from .errors import (
     UnsupportedError,
 )
 from .foliation import Foliation, Singularities, Singularity
+from .forms import HarmonicForms
 from .hierarchy import Design, Hierarchy, Level, even_design, memory_estimate, solve, suggest_marks
 from .leaves import Leaf, Leaves
 from .loops import Loops
@@ -66,6 +67,7 @@ __all__ = [
     "Error",
     "Foliation",
     "FoliationError",
+    "HarmonicForms",
     "Hierarchy",
     "HistoryEntry",
     "InternalError",

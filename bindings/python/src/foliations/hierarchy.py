@@ -31,6 +31,7 @@ from ._native import ffi, lib
 from ._options import RelaxOptions, SolveOptions, solve_options, takes
 from .errors import Element, MeshError, MeshWarning, Status, warn
 from .foliation import STOPPED, Foliation, solved
+from .forms import harmonic_forms
 from .loops import Loops, loop_structure
 from .meshes import MeshLike, as_mesh
 from .report import boundary_words
@@ -378,6 +379,8 @@ class Hierarchy:
     def memory(self) -> int:
         """Bytes held by the hierarchy."""
         return int(self._info.memory_bytes)
+
+    harmonic_forms = harmonic_forms
 
     def loops(self, kind: LoopsKind = "cut", *, level: int | None = None, progress: ProgressOption = None) -> Loops:
         """Loops made by the library, as loops of triangles.

@@ -552,6 +552,33 @@ impl Default for hmf_scale {
         }
     }
 }
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_form_set {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub level: u64,
+    pub genus: u64,
+    pub form_count: u64,
+    pub edge_count: u64,
+    pub values: *const f64,
+    pub intersections: *const i32,
+    pub inner_products: *const f64,
+    pub conjugation: *const f64,
+    pub period_real: *const f64,
+    pub period_imaginary: *const f64,
+    pub residual: f64,
+    pub conjugation_error: f64,
+}
+impl Default for hmf_form_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
 pub const HMF_LINE_LEVEL: i32 = 1;
 pub const HMF_LINE_CRITICAL: i32 = 2;
 pub const HMF_LINE_POINT: i32 = 3;
@@ -882,6 +909,13 @@ extern "C" {
         foliation: *const hmf_foliation,
         control: *const hmf_control,
         out: *mut *mut hmf_scale,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_harmonic_forms(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        control: *const hmf_control,
+        out: *mut *mut hmf_form_set,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_trace_options_init(options: *mut hmf_trace_options, struct_size: u32);

@@ -21,6 +21,7 @@ mod applications;
 
 pub use applications::atlas::Atlas;
 pub use applications::cylinders::{Cylinder, Cylinders};
+pub use applications::forms::HarmonicForms;
 pub use applications::parameterize::{MapQuality, Parameterization, Parameterizer};
 pub use applications::quads::{QuadMesh, QuadOptions};
 pub use applications::trace::{Leaves, Line, LineEnd, LineKind, Tracer};

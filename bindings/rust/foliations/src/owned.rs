@@ -21,6 +21,7 @@ impl Made for sys::hmf_component_set {}
 impl Made for sys::hmf_level_mesh {}
 impl Made for sys::hmf_residual_set {}
 impl Made for sys::hmf_scale {}
+impl Made for sys::hmf_form_set {}
 impl Made for sys::hmf_mark_set {}
 impl Made for sys::hmf_loop_set {}
 impl Made for sys::hmf_design {}

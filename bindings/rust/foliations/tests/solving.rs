@@ -337,6 +337,23 @@ fn leaves_are_level_sets() {
 }
 
 #[test]
+fn harmonic_forms_are_a_canonical_basis() {
+    let hierarchy = genus_2();
+    let forms = hierarchy.harmonic_forms(0).unwrap();
+    assert_eq!((forms.form_count(), forms.form(3).len()), (4, hierarchy.level(0).unwrap().edge_count));
+    assert!(forms.form(4).is_empty());
+    assert_eq!(forms.intersections(), [0, 0, 1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0, -1, 0, 0]);
+    // The integral of form i ^ *form j is an inner product; a[0] ^ b[0] is 1.
+    for j in 0..4 {
+        assert!(close(forms.conjugation()[8 + j], forms.inner_products()[j]));
+    }
+    assert!(close(forms.period_real()[1], forms.period_real()[2]));
+    assert!(forms.period_imaginary()[0] > 0.0 && forms.period_imaginary()[3] > 0.0);
+    assert!(forms.residual() < 1e-8 && forms.conjugation_error() < 0.3);
+    assert_eq!(hierarchy.harmonic_forms(99).unwrap_err().status(), Status::ERROR_LEVEL);
+}
+
+#[test]
 fn cylinders_fill_the_surface() {
     let hierarchy = genus_2();
     let loops = hierarchy.loops(0, LoopsKind::Tunnel).unwrap().with_weights(&[1.0, 0.5]).unwrap();

@@ -2,6 +2,7 @@
 
 pub mod atlas;
 pub mod cylinders;
+pub mod forms;
 pub mod parameterize;
 pub mod quads;
 pub mod trace;
