@@ -40,11 +40,17 @@ fi
 # Packages of Python, while the programs are built.
 (
     [ -x "$venv/bin/python" ] || try 60 python3 -m venv --system-site-packages "$venv"
-    for packages in "numpy scipy matplotlib" pyamg xatlas "libigl pyQuadriFlow" pyinstantmeshes gravomg; do
+    for packages in "numpy scipy matplotlib" pyamg xatlas "libigl pyQuadriFlow" pyinstantmeshes; do
         # shellcheck disable=SC2086
         "$venv/bin/pip" show -q $packages > /dev/null 2>&1 ||
             try "$((2 * patience))" "$venv/bin/pip" install -q --only-binary :all: $packages
     done
+    # Gravo MG needs numpy 1, in an environment of its own.
+    if [ ! -e "$venv-numpy1/done" ]; then
+        try 60 python3 -m venv "$venv-numpy1"
+        timeout "$patience" "$venv-numpy1/bin/pip" install -q --only-binary :all: gravomg 'numpy<2' 'scipy<1.13' \
+            >> "$log" 2>&1 && touch "$venv-numpy1/done"
+    fi
 ) &
 command -v ccache > /dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 generator=$(command -v ninja > /dev/null && echo Ninja || echo "Unix Makefiles")

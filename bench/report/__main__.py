@@ -12,9 +12,9 @@ from .document import Document
 from .runs import Run
 
 LIMIT = {"quick": 600, "full": 4800}
-TO_WRITE = {"quick": 60, "full": 180}
+TO_WRITE = {"quick": 45, "full": 120}
 # Seconds that each section needs on a quiet machine, quick and full: its share of the time that is left.
-SECONDS = {jobs: (50, 90), paper_times: (115, 1300), paper_cases: (40, 300), pictures: (25, 80), curves: (30, 400),
+SECONDS = {jobs: (50, 90), paper_times: (115, 1300), paper_cases: (40, 300), pictures: (50, 100), curves: (30, 400),
            scaling: (60, 700), peers: (60, 500), survey: (40, 400), quads: (25, 300), details: (25, 400)}
 
 

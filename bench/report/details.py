@@ -31,7 +31,7 @@ def measure(run):
                 shapes.write_obj(cut, *with_holes(*shapes.read_obj(path), holes))
             rows += [dict(row, closed=path.stem, holes=holes) for row in run.rows(
                 f"details-holes-{cut.stem}", run.program("bench_job", "-r", 3, cut), 120)]
-    for _, path in jobs.meshes(run)[:1 if run.quick else 3]:
+    for _, path in jobs.meshes(run)[1:2] if run.quick else jobs.meshes(run):
         rows += run.rows(f"details-calls-{path.stem}", run.program("bench_calls", "-r", 1 if run.quick else 3, path), 300)
     if not run.quick:
         for path in shapes.corpus(8e6):

@@ -153,7 +153,9 @@ def main(name, program, count, path):
                                 for key, value in figures(points, triangles, vertices, quads).items()}}))
 
 
-SHAPES = ("bob_11k", "kitten_29k", "rocker-arm_20k", "eight_11k", "joint_42k", "holes3_29k")
+SHAPES = ("bob_11k", "kitten_29k", "rocker-arm_20k", "eight_11k", "joint_42k", "holes3_29k", "master-cylinder_27k",
+          "fertility_28k", "botijo_24k", "pegasus_42k_remesh", "dancing-children_24k", "casting_37k", "spot_5.9k",
+          "cow_5.5k", "horse_40k")
 
 
 def measure(run):

@@ -32,9 +32,10 @@ def corpus(most_bytes=1 << 40):
 
 
 def find(name):
-    """The path of a mesh of the folder, or None."""
-    path = folder() / f"{name}.obj" if folder() and name else None
-    return path if path and path.is_file() else None
+    """The path of a mesh of the folders HMF_MESHES and HMF_SURFACES, or None."""
+    folders = [os.environ.get(variable, "") for variable in ("HMF_MESHES", "HMF_SURFACES")]
+    paths = [pathlib.Path(place) / f"{name}.obj" for place in folders if place and name]
+    return next((path for path in paths if path.is_file()), None)
 
 
 def write_obj(path, points, triangles):
