@@ -52,8 +52,9 @@ def main(mode, work, programs, start):
                       + ", ".join(run.left_out[:8]) + (" and others." if len(run.left_out) > 8 else "."))
     if failed:
         document.goal(False, "Sections that failed: " + "; ".join(failed) + ".")
-    opening = ["Harmonic measured foliations: the evaluation of Wang, Ma, Zhao, Wang (Computers & Graphics 2021), repeated "
-               "and extended by one command, bench/run.sh. Each table names its CSV file; plots are SVG files."]
+    opening = ["Harmonic measured foliations: the evaluation of Wang, Ma, Zhao, Wang (Computers & Graphics 2021), "
+               "repeated and extended by one command, bench/run.sh. Each table names its CSV "
+                "file; plots are SVG files."]
     if not shapes.folder():
         opening.append("Skipped: the meshes of HMF_MESHES; generated families stand for them.")
     document.save(f"hmf: {mode} evaluation", opening)

@@ -40,11 +40,16 @@ def write(document, times, rows):
     curves = [curve for curve in of(times, "curve") if curve["experiment"] == "table1"]
     meshes = list(dict.fromkeys(curve["mesh"] for curve in curves))
     wanted = [mesh for mesh in ("pegasus_42k_remesh", "fertility_60k", "trim-star_524k_remesh") if mesh in meshes]
-    if wanted := wanted or meshes[-3:]:
-        document.plot("methods", "Figure 1: energy above the minimum on the given mesh over processor time, all methods from "
-                      "the same loops. A curve starts when its method reaches the given mesh.", lambda figure: [
-                          draw_methods([c for c in curves if c["mesh"] == mesh], figure.add_subplot(1, len(wanted), k + 1))
-                          for k, mesh in enumerate(wanted)], (5 * len(wanted), 4.2))
+    wanted = wanted or meshes[-3:]
+
+    def draw(figure):
+        for k, mesh in enumerate(wanted):
+            axes = figure.add_subplot(1, len(wanted), k + 1)
+            draw_methods([curve for curve in curves if curve["mesh"] == mesh], axes)
+    if wanted:
+        document.plot("methods", "Figure 1: energy above the minimum on the given mesh over processor time, all "
+                      "methods from the same loops. A curve starts when its method reaches the given mesh.", draw,
+                      (5 * len(wanted), 4.2))
     draw_levels(document, [row for row in of(rows, "method") if row["experiment"] == "levels"])
     draw_stages(document, of(times, "method"))
     draw_loops(document, rows)
@@ -66,8 +71,8 @@ def draw_levels(document, rows):
         axes.set(xscale="log", yscale="log", xlabel="vertices of the coarsest level", ylabel="processor seconds")
         axes.set_title(rows[0]["mesh"], fontsize=10)
         axes.legend()
-    document.plot("levels", "Figure 7: number of levels. Seconds of Whitehead moves to the paper's stop rule, and of Newton's "
-                  "method to a residual of 1e-8.", draw, (7, 4))
+    document.plot("levels", "Figure 7: number of levels. Seconds of Whitehead moves to the paper's stop rule, and of "
+                  "Newton's method to a residual of 1e-8.", draw, (7, 4))
     document.numbers("levels", rows)
 
 
@@ -92,9 +97,9 @@ def draw_stages(document, rows):
             axes.set_ylabel("% of build + solve")
             axes.tick_params(axis="x", rotation=90, labelsize=7)
             axes.legend(fontsize=7)
-    document.plot("stages", "Figure 12: share of building the hierarchy, of interpolation and of optimization; the rest is the "
-                  "start on the coarsest level, checks and the way back to the given triangles. Whitehead moves up to the "
-                  "time limit of this run.", draw, (12, 4.4))
+    document.plot("stages", "Figure 12: share of building the hierarchy, of interpolation and of optimization; the "
+                  "rest is the start on the coarsest level, checks and the way back to the given triangles. Whitehead "
+                  "moves up to the time limit of this run.", draw, (12, 4.4))
 
 
 def draw_loops(document, rows):

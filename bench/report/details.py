@@ -32,7 +32,8 @@ def measure(run):
             rows += [dict(row, closed=path.stem, holes=holes) for row in run.rows(
                 f"details-holes-{cut.stem}", run.program("bench_job", "-r", 3, cut), 120)]
     for _, path in jobs.meshes(run)[1:2] if run.quick else jobs.meshes(run):
-        rows += run.rows(f"details-calls-{path.stem}", run.program("bench_calls", "-r", 1 if run.quick else 3, path), 300)
+        rows += run.rows(f"details-calls-{path.stem}",
+                         run.program("bench_calls", "-r", 1 if run.quick else 3, path), 300)
     if not run.quick:
         for path in shapes.corpus(8e6):
             rows += run.rows(f"details-applications-{path.stem}", run.program("bench_job", "--applications", path), 200)
@@ -46,8 +47,9 @@ def least(rows, key):
 
 def write(document, rows):
     document.heading("Conformality")
-    document.text("The dilatation of a triangle is the ratio of the singular values of its map to the plane; 1 is conformal. "
-                  "Means are weighted by area. parameterize: seconds of the first call on a foliation, and of later ones.")
+    document.text("The dilatation of a triangle is the ratio of the singular values of its map to the plane; 1 is "
+                  "conformal. Means are weighted by area. parameterize: seconds of the first call on a foliation, and "
+                  "of later ones.")
     unique = {row["mesh"]: row for row in of(rows, "applications")}
     document.table("conformality", [
         ("mesh", "mesh"), ("mean", "dilatation_mean"), ("median", "dilatation_median"), ("99 %", "dilatation_p99"),
@@ -55,8 +57,8 @@ def write(document, rows):
         ("parameterize s", "parameterize_first"), ("again s", "parameterize_again"), ("charts", "charts"),
         ("atlas s", "atlas")], list(unique.values()))
     document.heading("Even designs")
-    document.text("Scale distortion: standard deviation of the logarithm of the conformal scale, estimated for the loops of "
-                  "the cut system with weights 1, and measured for the even design.")
+    document.text("Scale distortion: standard deviation of the logarithm of the conformal scale, estimated for the "
+                  "loops of the cut system with weights 1, and measured for the even design.")
     document.table("designs", [("mesh", "mesh"), ("vertices", "vertices"), ("cut loops", "distortion_of_cut_loops"),
                                ("even design", "distortion"), ("marked", "marked"), ("loops", "loops"),
                                ("design s", "seconds"), ("solve s", "solve")],
@@ -74,10 +76,11 @@ def write(document, rows):
         lines.append(line)
     document.table("boundary", [("mesh", "mesh"), ("closed: job s", "closed"), ("1 hole", "holes_1"),
                                 ("3 holes", "holes_3"), ("10 holes", "holes_10")], lines,
-                   "Time of the job divided by that of the closed mesh; a surface with boundary is solved on its double.")
+                   "Time of the job divided by that of the closed mesh; a surface with boundary is solved on its "
+                   "double.")
     document.heading("Cancellation")
-    document.text("The longest time between two progress reports, which bounds the delay of a cancellation (goal: 50 ms on a "
-                  "million edges), and processor seconds of each call.")
+    document.text("The longest time between two progress reports, which bounds the delay of a cancellation (goal: 50 "
+                  "ms on a million edges), and processor seconds of each call.")
     calls = of(rows, "call")
     document.table("calls", [("mesh", "mesh"), ("call", "call"), ("seconds", "seconds"),
                              ("longest gap, ms per million edges", "gap_ms_per_million_edges")], calls)

@@ -46,8 +46,8 @@ def measure(run):
 
 def write(document, rows):
     document.heading("The whole job beside one linear solve")
-    document.text("The job is build, loops and solve to a residual of 1e-8. CHOLMOD analyses, factorizes and solves one "
-                  "cotangent Laplacian of the same mesh (METIS order). Processor seconds of one thread: median "
+    document.text("The job is build, loops and solve to a residual of 1e-8. CHOLMOD analyses, factorizes and solves "
+                  "one cotangent Laplacian of the same mesh (METIS order). Processor seconds of one thread: median "
                   "[smallest, largest]. The two alternate, and a ratio is taken within one repetition.")
     jobs = of(rows, "job")
     table = []
@@ -68,7 +68,7 @@ def write(document, rows):
         ("job / CHOLMOD", "ratio_text"), ("bytes per edge", "solve_bytes_per_edge")], table)
     slow = [line["mesh"] for line in table if line.get("ratio", 0) > 1]
     if table and any("ratio" in line for line in table):
-        document.goal(not slow, "The whole job takes longer than one linear solve by CHOLMOD on " + ", ".join(slow) + "."
+        document.goal(not slow, "The whole job takes longer than one solve by CHOLMOD on " + ", ".join(slow) + "."
                       if slow else "The whole job is faster than one linear solve by CHOLMOD on every mesh.")
     unsolved = [row["mesh"] for row in jobs if row["status"]] + [row["mesh"] for row in of(rows, "failure")]
     document.goal(not unsolved, "Not solved: " + ", ".join(unsolved) + "." if unsolved

@@ -49,9 +49,10 @@ def write(document, run, rows):
     shares = [row["reference_wall"] / row["reference_processor"] for row in samples]
     middle, late = statistics.median(walls), sorted(walls)[int(0.9 * len(walls))]
     busy = statistics.median(shares), sorted(shares)[int(0.9 * len(shares))]
-    document.text(f"A fixed reference computation was timed {len(walls)} times, before each measured repetition: median "
-                  f"{1e3 * middle:.1f} ms, smallest {1e3 * min(walls):.1f} ms, 90 % quantile {1e3 * late:.1f} ms, largest "
-                  f"{1e3 * max(walls):.1f} ms. Wall time / processor time: median {busy[0]:.3f}, 90 % quantile {busy[1]:.3f}.")
-    document.goal(late <= 1.1 * middle and busy[1] <= 1.1, "Quietness of the machine: 90 % of the reference computations "
-                  f"took at most {late / middle:.2f} times the median, and {busy[1]:.2f} times their processor time "
-                  "(goal: 1.1).")
+    document.text(f"A fixed reference computation was timed {len(walls)} times, before each measured repetition: "
+                  f"median {1e3 * middle:.1f} ms, smallest {1e3 * min(walls):.1f} ms, 90 % quantile {1e3 * late:.1f} "
+                  f"ms, largest {1e3 * max(walls):.1f} ms. Wall time / processor time: median {busy[0]:.3f}, "
+                  f"90 % quantile {busy[1]:.3f}.")
+    document.goal(late <= 1.1 * middle and busy[1] <= 1.1, "Quietness of the machine: 90 % of the reference "
+                  f"computations took at most {late / middle:.2f} times the median, and {busy[1]:.2f} times their "
+                  "processor time (goal: 1.1).")

@@ -29,10 +29,10 @@ def measure(run):
 
 def write(document, rows):
     document.heading("Table 2 of the paper: corner cases")
-    document.text("NLD: edges of coarser levels that are not Delaunay and cannot be flipped (their weights are clamped). BF: "
-                  "bad flips, those of case 4 in section 4.2.2 of the paper; the number before the slash needed a correction, "
-                  "the number behind it made a pole. P: poles of the result. \"paper\" is the method as printed, ours is the "
-                  "default method. lost: the result is not in the class of its loops.")
+    document.text("NLD: edges of coarser levels that are not Delaunay and cannot be flipped (their weights are "
+                  "clamped). BF: bad flips, those of case 4 in section 4.2.2 of the paper; the number before the slash "
+                  "needed a correction, the number behind it made a pole. P: poles of the result. \"paper\" is the "
+                  "method as printed, ours is the default method. lost: the result is not in the class of its loops.")
     cases = of(rows, "cases")
     table = []
     for shape, collapse in dict.fromkeys((row["shape"], row["collapse"]) for row in cases):
@@ -56,7 +56,8 @@ def write(document, rows):
                     (f"{ratio}: ours", f"newton_{index}")]
     document.table("paper_cases", columns, table, "Each cell: NLD, BF before/after, P.")
     document.numbers("paper_cases_all", cases)
-    ours, theirs = [row for row in cases if row["method"] == "newton"], [row for row in cases if row["method"] == "paper"]
+    ours = [row for row in cases if row["method"] == "newton"]
+    theirs = [row for row in cases if row["method"] == "paper"]
     poles = [row["shape"] for row in theirs if row.get("poles")]
     bad = [f"{row['shape']} ({row['collapse']}, {row['ratio']})" for row in ours
            if row["status"] or row.get("poles") or row.get("class") != "proven"]
@@ -64,5 +65,5 @@ def write(document, rows):
         return
     document.goal(not bad, "With the default method there are poles, lost classes or unsolved hierarchies on "
                   + ", ".join(bad) + "." if bad else
-                  f"The default method has no pole and a proven class in all {len(ours)} hierarchies of Table 2; the method "
-                  f"as printed makes poles in {len(poles)} of {len(theirs)}.")
+                  f"The default method has no pole and a proven class in all {len(ours)} hierarchies of Table 2; the "
+                  f"method as printed makes poles in {len(poles)} of {len(theirs)}.")

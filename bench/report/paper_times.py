@@ -72,11 +72,11 @@ def cell(row, key):
 def write(document, rows):
     document.heading("Table 1 of the paper: time of every method")
     methods = of(rows, "method")
-    document.text("All methods start from the same loops (handle loops, weights 1) on the same mesh. Seconds are processor "
-                  "seconds of one thread. \"stop\" is the paper's rule: a sweep on the given mesh lowers the energy by less "
-                  "than 1e-6 of it. It is not convergence: \"excess\" is the relative difference to the minimum at that "
-                  f"moment. The paper's columns are from its Table 1 ({HARDWARE}); its meshes of the same names have other "
-                  "triangulations. \"> 5\" means that the time limit of this run was reached.")
+    document.text("All methods start from the same loops (handle loops, weights 1) on the same mesh. Seconds are "
+                  "processor seconds of one thread. \"stop\" is the paper's rule: a sweep on the given mesh lowers the "
+                  "energy by less than 1e-6 of it. It is not convergence: \"excess\" is the relative difference to the "
+                  f"minimum at that moment. The paper's columns are from its Table 1 ({HARDWARE}); its meshes of the "
+                  "same names have other triangulations. \"> 5\" means that the time limit of this run was reached.")
     table = []
     for shape in dict.fromkeys(row["shape"] for row in methods):
         mine = {(row["method"], row["ratio"]): row for row in methods if row["shape"] == shape}
@@ -108,8 +108,8 @@ def write(document, rows):
         ("50 %: stop s", "whitehead_50_to_stop_rule"), ("75 %: stop s", "whitehead_75_to_stop_rule"),
         ("50 %: excess", "whitehead_50_excess_at_stop"), ("single level: stop s", "single_to_stop_rule"),
         ("newton to 1e-8 s", "newton"), ("whitehead 50 % / newton", "gain")], table)
-    document.text("The same runs to equal energy: processor seconds until the energy is within the given fraction of the "
-                  "minimum, and until the largest residual is 1e-8.")
+    document.text("The same runs to equal energy: processor seconds until the energy is within the given fraction of "
+                  "the minimum, and until the largest residual is 1e-8.")
     equal = [("shape", "shape")]
     for title, name in (("single level", "single"), ("whitehead 50 %", "whitehead_50"), ("newton", "newton_50")):
         equal += [(f"{title}: {key.removeprefix('to_')}", f"{name}_{key}")

@@ -186,8 +186,8 @@ def measure(run):
                 if of(found, "failure"):
                     break_peer(rows, peer)
     for name, path in measured[:1] if run.quick else measured[:2]:
-        rows += [dict(row, peer="xatlas") for row in run.rows(f"peer-xatlas-{name}", run.script("peers", "xatlas", path),
-                                                              90 if run.quick else 900)]
+        found = run.rows(f"peer-xatlas-{name}", run.script("peers", "xatlas", path), 90 if run.quick else 900)
+        rows += [dict(row, peer="xatlas") for row in found]
         rows += run.rows(f"peer-atlas-{name}", run.program("bench_job", "--applications", path), 200)
     return rows
 
@@ -201,10 +201,10 @@ def break_peer(rows, peer):
 
 def write(document, rows):
     document.heading("Peers")
-    document.text("One linear solve of the cotangent Laplacian by other libraries beside the whole nonlinear job of hmf, both to "
-                  "1e-8; processor seconds of one thread. Ratios are taken within one repetition. A basis of harmonic "
-                  "1-forms, which global parameterization uses today, is one factorization and a solve for each of "
-                  "2 * genus forms; its integer start is not counted.")
+    document.text("One linear solve of the cotangent Laplacian by other libraries beside the whole nonlinear job of "
+                  "hmf, both to 1e-8; processor seconds of one thread. Ratios are taken within one repetition. A basis "
+                  "of harmonic 1-forms, which global parameterization uses today, is one factorization and a solve for "
+                  "each of 2 * genus forms; its integer start is not counted.")
     hmf = {(row["mesh"], row["repetition"]): row for row in of(rows, "job") if "repetition" in row}
     table, ratios = [], []
     for mesh in dict.fromkeys(key[0] for key in hmf):
@@ -256,10 +256,11 @@ def atlas(document, rows):
                       "charts": row.get("charts"), "used_area": row.get("used_area"),
                       "unevenness": row.get("unevenness"), "solve": row["solve"]})
     if table:
-        document.text("Charts in the unit square, defaults of both programs. Unevenness is the standard deviation of the "
-                      "logarithm of the scale over the surface: 0 for equal areas.")
-        document.table("atlases", [("mesh", "mesh"), ("program", "program"), ("seconds", "seconds"), ("charts", "charts"),
-                                   ("used area", "used_area"), ("unevenness", "unevenness")],
+        document.text("Charts in the unit square, defaults of both programs. Unevenness is the standard deviation of "
+                      "the logarithm of the scale over the surface: 0 for equal areas.")
+        document.table("atlases", [
+            ("mesh", "mesh"), ("program", "program"), ("seconds", "seconds"), ("charts", "charts"),
+            ("used area", "used_area"), ("unevenness", "unevenness")],
                        sorted(table, key=lambda line: line["mesh"]))
 
 

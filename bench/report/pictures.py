@@ -76,7 +76,8 @@ class Canvas:
         def chunk(kind, data):
             return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
         stream = io.BytesIO()
-        stream.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", SIZE, self.view.height, 8, 2, 0, 0, 0)))
+        head = struct.pack(">IIBBBBB", SIZE, self.view.height, 8, 2, 0, 0, 0)
+        stream.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head))
         stream.write(chunk(b"IDAT", zlib.compress(plain, 9)) + chunk(b"IEND", b""))
         return stream.getvalue()
 
@@ -174,8 +175,8 @@ def images(run, name, arrays, row):
         yield save("poles", name, draw(arrays), f"The same hierarchy and loops with the default method: {row['poles']} "
                    "poles.")
     elif name == "large":
-        yield save("large", name, draw(arrays, stripes=12, count=3_000_000), "Figure 15: the parameterization of a mesh "
-                   f"with {1.5e-6 * len(arrays['triangles']):.1f} million edges.")
+        yield save("large", name, draw(arrays, stripes=12, count=3_000_000), "Figure 15: the parameterization of a "
+                   f"mesh with {1.5e-6 * len(arrays['triangles']):.1f} million edges.")
     elif name != "levels":
         yield save("gallery", name, draw(arrays), f"{row['mesh']}, {row['loops']} loops")
     else:
@@ -204,5 +205,5 @@ def write(document, rows):
                                for row in chosen])
     poles = {row["picture"]: row["poles"] for row in rows if row.get("group") == "poles"}
     if len(poles) == 2:
-        document.goal(poles["cure"] == 0 < poles["failure"], f"Figure 16 on pegasus: {poles['failure']} poles as printed, "
-                      f"{poles['cure']} with the default method.")
+        document.goal(poles["cure"] == 0 < poles["failure"], f"Figure 16 on pegasus: {poles['failure']} poles as "
+                      f"printed, {poles['cure']} with the default method.")

@@ -43,8 +43,10 @@ def is_sound(quads, chi):
     twin = np.array([there[(b, a)] for a, b in sides.tolist()])
     corner = np.arange(len(sides))
     after = twin // 4 * 4 + (twin + 1) % 4
-    fans = connected_components(coo_matrix((corner * 0 + 1, (corner, after)), shape=(len(corner),) * 2), directed=False)[0]
-    parts = connected_components(coo_matrix((corner * 0 + 1, (corner // 4, twin // 4)), shape=(len(quads),) * 2), directed=False)[0]
+
+    def classes(number, one, two):
+        return connected_components(coo_matrix((one * 0 + 1, (one, two)), shape=(number, number)), directed=False)[0]
+    fans, parts = classes(len(corner), corner, after), classes(len(quads), corner // 4, twin // 4)
     return fans == len(np.unique(quads)) and parts == 1
 
 
@@ -56,7 +58,8 @@ def figures(points, triangles, vertices, quads):
     sides, normal = norm(ahead), np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
     area = norm(normal) / 2
     cosine = (ahead * back).sum(2) / np.maximum(norm(ahead) * norm(back), 1e-300)
-    ends = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
+    a, b, c = points[triangles].transpose(1, 0, 2)
+    ends = np.cross(b - a, c - a)
     areas = norm(ends) / 2
     degree = np.bincount(quads.ravel())
     random = np.random.default_rng(1)
@@ -139,7 +142,8 @@ def by_instant_meshes(path, points, triangles, count):
         return read_obj(out) + (time.process_time() - begin,)
 
 
-HEADS = ("quads", "sound", "irregular", "inverted", "aspect", "angle", "spread", "distance", "covered", "sharp", "seconds")
+HEADS = ("quads", "sound", "irregular", "inverted", "aspect", "angle", "spread", "distance", "covered", "sharp",
+         "seconds")
 PACKAGES = {"QuadriFlow": "pyQuadriFlow", "Instant Meshes": "pyinstantmeshes"}
 
 
@@ -173,13 +177,13 @@ def measure(run):
 
 def write(document, rows):
     document.heading("Quads")
-    document.text("5000 quads requested, defaults of every program, no mesh tuned by hand. sound: closed, oriented, manifold, the "
-                  "genus of the input, four corners each. irregular: vertices with another number of edges than 4. inverted: "
-                  "quads with a corner of 180 degrees or more, or opposite to the surface. aspect: longest / shortest side, "
-                  "95 % quantile. angle: degrees by which a corner is off 90, 95 % quantile. spread: area, 95 % / 5 % quantile. "
-                  "distance: greatest distance of the input from the quads, % of the diagonal. sharp: share of the length of "
-                  "edges sharper than 40 degrees that sides of quads follow. seconds: processor time, of hmf with the "
-                  "even design, build and solve.")
+    document.text("5000 quads requested, defaults of every program, no mesh tuned by hand. sound: closed, oriented, "
+                  "manifold, the genus of the input, four corners each. irregular: vertices with another number of "
+                  "edges than 4. inverted: quads with a corner of 180 degrees or more, or opposite to the surface. "
+                  "aspect: longest / shortest side, 95 % quantile. angle: degrees by which a corner is off 90, 95 % "
+                  "quantile. spread: area, 95 % / 5 % quantile. distance: greatest distance of the input from the "
+                  "quads, % of the diagonal. sharp: share of the length of edges sharper than 40 degrees that sides of "
+                  "quads follow. seconds: processor time, of hmf with the even design, build and solve.")
     document.table("quads", [("mesh", "mesh"), ("program", "program"), ("version", "version")]
                    + [(head, head) for head in HEADS], of(rows, "quads"))
     missing = sorted({f"{row.get('program')} on {row.get('mesh')} ({row.get('what')})" for row in of(rows, "failure")})

@@ -111,8 +111,8 @@ def write(document, rows):
         ("residual", "residual")], table, "Medians of up to three runs, processor time of one thread.")
     said = "; ".join(f"{family}: {value:.2f}" for family, value in exponents.items() if value is not None)
     if said:
-        document.text(f"Fitted exponents of the time of the job, over the number of edges (above 20,000) or the genus (at "
-                      f"about equal numbers of edges): {said}.")
+        document.text(f"Fitted exponents of the time of the job, over the number of edges (above 20,000) or the genus ("
+                      f"at about equal numbers of edges): {said}.")
 
         def draw(figure):
             for k, (kind, x) in enumerate((("edges", "edges"), ("genus", "genus"))):
@@ -126,8 +126,8 @@ def write(document, rows):
                 axes.legend(fontsize=8)
         document.plot("scaling", "Time of a job per edge.", draw)
         grown = [value for family, value in exponents.items() if family != "genus" and value is not None]
-        document.goal(not grown or max(grown) <= 1.15, f"Time grows as edges to the power {max(grown, default=1):.2f} at "
-                      "most (goal: 1.15).")
+        document.goal(not grown or max(grown) <= 1.15, f"Time grows as edges to the power {max(grown, default=1):.2f} "
+                      "at most (goal: 1.15).")
     unsolved = [line["mesh"] for line in table if line["status"]] + [row["mesh"] for row in of(rows, "failure")]
     document.goal(not unsolved, "Not solved while scaling: " + ", ".join(unsolved) + "." if unsolved
                   else "All meshes of the scaling tables are solved.")
@@ -144,7 +144,7 @@ def write(document, rows):
                    "Wall time.")
     same = median_rows([row for row in jobs if row["experiment"] == "resolution"])
     document.heading("Figure 13: one shape in many sizes")
-    document.text("The energy is a conformal invariant of the shape and its loops, so meshes of one shape should agree when "
-                  "the loops chosen are the same.")
+    document.text("The energy is a conformal invariant of the shape and its loops, so meshes of one shape should agree "
+                  "when the loops chosen are the same.")
     document.table("resolutions", [("mesh", "mesh"), ("edges", "edges"), ("energy", "energy"), ("job s", "job"),
                                    ("µs per edge", "job_us_per_edge"), ("linear solves", "linear_solves")], same)

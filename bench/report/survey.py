@@ -23,7 +23,7 @@ def measure(run):
 
 
 def main(programs, first, count):
-    """Each mesh is solved as it is.  If it is refused because of triangles without area, it is solved a second time with
+    """Each mesh is solved as it is.  If it is refused because of triangles without area, it is solved once more with
     the remedy that the error names, mollify."""
     for name in shapes.survey_names(first + count)[first:]:
         with tempfile.TemporaryDirectory() as folder:
@@ -73,10 +73,11 @@ def write(document, rows):
         document.text("Not measured.")
         return
     total = {"family": "all", **{key: sum(line[key] for line in table) for key in table[0] if key != "family"}}
-    document.text("Corpus: the meshes of HMF_MESHES. Generated: tori, plates with holes, frames of beams, level sets of random "
-                  "tori by marching tetrahedra; each as made, stretched by 10 to 1000, jittered by 0.3 of a side, with "
-                  "needles down to 1e-6 in a fifth of the triangles, and with 30 % of the edges flipped at random. "
-                  "\"mollified\": refused for triangles of zero area, and solved with the remedy that the error names.")
+    document.text("Corpus: the meshes of HMF_MESHES. Generated: tori, plates with holes, frames of beams, level sets "
+                  "of random tori by marching tetrahedra; each as made, stretched by 10 to 1000, jittered by 0.3 of a "
+                  "side, with needles down to 1e-6 in a fifth of the triangles, and with 30 % of the edges flipped at "
+                  "random. \"mollified\": refused for triangles of zero area, and solved with the remedy that the "
+                  "error names.")
     document.table("survey", [("family", "family"), ("meshes", "meshes"), ("solved to 1e-8", "solved"),
                               ("solved, mollified", "mollified"), ("failed", "failed"), ("poles", "poles"),
                               ("wrong classes with OK", "wrong_classes")], table + [total])
