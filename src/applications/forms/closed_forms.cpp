@@ -137,13 +137,13 @@ Done ClosedForms::find_curves(Call& call) {
 // In each triangle that the curve passes, from side h to side g, its form is -1 along h and +1 along g there; the
 // integral of two linear forms over a triangle with sides e, next e is half of the determinant of their values on both.
 int64_t ClosedForms::intersection_with_curve(const int64_t* value, uint32_t curve) const {
-    int64_t twice = 0;
+    uint64_t twice = 0; // sums may be large on the way
     for (uint32_t n = offset_[curve]; n < offset_[curve + 1]; ++n) {
         const uint32_t h = twin(crossed_[n]), g = crossed_[n + 1 == offset_[curve + 1] ? offset_[curve] : n + 1];
         const int64_t at_h = along(value, h), at_g = along(value, g);
-        twice += mesh_->next[h] == g ? at_h + at_g : -at_h - at_g;
+        twice += static_cast<uint64_t>(mesh_->next[h] == g ? at_h + at_g : -at_h - at_g);
     }
-    return twice / 2;
+    return static_cast<int64_t>(twice) / 2;
 }
 
 hmf_status ClosedForms::make_canonical(Call& call) {
@@ -190,25 +190,32 @@ void ClosedForms::add(uint32_t i, int64_t unit, int64_t* value) const {
     }
 }
 
-double ClosedForms::product(uint32_t i, const double* weight, const int64_t* other) const {
-    double sum = 0;
-    for (uint32_t curve = 0; curve < count_; ++curve) {
-        const double factor = static_cast<double>(row_[size_t{count_} * i + curve]);
-        double of_curve = 0;
-        for (uint32_t n = offset_[curve]; n < offset_[curve + 1] && factor != 0; ++n)
-            of_curve += weight[edge_of(crossed_[n])] * static_cast<double>(along(other, crossed_[n]));
-        sum += factor * of_curve;
+// of_curve(c) once for each curve, then the sums of its multiples.
+template <class T, class OfCurve>
+Done ClosedForms::sum_rows(T* sum, Memory& memory, OfCurve of_curve) const {
+    Array<T> value;
+    if (!value.allocate(memory, count_)) return false;
+    for (uint32_t curve = 0; curve < count_; ++curve) value[curve] = of_curve(curve);
+    for (uint32_t i = 0; i < count_; ++i) {
+        sum[i] = 0;
+        for (uint32_t curve = 0; curve < count_; ++curve)
+            sum[i] += static_cast<T>(row_[size_t{count_} * i + curve]) * value[curve];
     }
-    return sum;
+    return true;
 }
 
-int64_t ClosedForms::intersection(const int64_t* other, uint32_t i) const {
-    int64_t sum = 0;
-    for (uint32_t curve = 0; curve < count_; ++curve) {
-        const int64_t factor = row_[size_t{count_} * i + curve];
-        if (factor != 0) sum += factor * intersection_with_curve(other, curve);
-    }
-    return sum;
+Done ClosedForms::products(const double* weight, const int64_t* other, double* sum, Memory& memory) const {
+    return sum_rows(sum, memory, [&](uint32_t curve) {
+        double product = 0;
+        for (uint32_t n = offset_[curve]; n < offset_[curve + 1]; ++n)
+            product += weight[edge_of(crossed_[n])] * static_cast<double>(along(other, crossed_[n]));
+        return product;
+    });
+}
+
+Done ClosedForms::intersections(const int64_t* other, uint64_t* sum, Memory& memory) const {
+    return sum_rows(sum, memory,
+                    [&](uint32_t curve) { return static_cast<uint64_t>(intersection_with_curve(other, curve)); });
 }
 
 } // namespace hmf

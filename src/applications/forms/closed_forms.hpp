@@ -23,15 +23,17 @@ public:
     uint32_t count() const { return count_; } // 2 * genus
     // Adds form i of the canonical basis, times `unit`: a[0], a[1], ..., then b[0], b[1], ...
     void add(uint32_t i, int64_t unit, int64_t* value) const;
-    // The sum of weight * form i * other over all edges.
-    double product(uint32_t i, const double* weight, const int64_t* other) const;
-    // The integral of other ^ form i over the surface, exact for closed forms whose integral is below 2^62.
-    int64_t intersection(const int64_t* other, uint32_t i) const;
+    // For each form i of the basis the sum of weight * form i * other over all edges.
+    Done products(const double* weight, const int64_t* other, double* sum, Memory& memory) const;
+    // For each form i the integral of other ^ form i over the surface, for closed forms exact modulo 2^64.
+    Done intersections(const int64_t* other, uint64_t* sum, Memory& memory) const;
 
 private:
     Done find_curves(Call& call);
     hmf_status make_canonical(Call& call);
     int64_t intersection_with_curve(const int64_t* value, uint32_t curve) const;
+    template <class T, class OfCurve>
+    Done sum_rows(T* sum, Memory& memory, OfCurve of_curve) const;
 
     const Mesh* mesh_ = nullptr;
     uint32_t count_ = 0;

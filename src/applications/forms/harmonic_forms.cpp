@@ -48,7 +48,8 @@ public:
 private:
     hmf_status build_system() {
         if (!bundle_.turn.allocate_filled(call_.memory, mesh_.edge_count, int8_t{1})
-            || !form_.value.allocate(call_.memory, mesh_.edge_count) || !charts_.build(mesh_, bundle_, call_))
+            || !form_.value.allocate(call_.memory, mesh_.edge_count)
+            || !integral_.allocate(call_.memory, classes_.count()) || !charts_.build(mesh_, bundle_, call_))
             return call_.stopped();
         return laplacian_.build(mesh_, bundle_, charts_, weight_, call_) ? call_.stopped() : HMF_OK;
     }
@@ -80,13 +81,15 @@ private:
     // of a class.  And how far from harmonic it is.
     hmf_status measure(uint32_t i) {
         const uint32_t n = classes_.count();
-        const int64_t* const value = form_.value.data();
+        double* const inner_products = out_.inner_products + size_t{n} * i;
+        if (!call_.work(uint64_t{n} * n)) return call_.was_cancelled();
+        if (!classes_.products(weight_, form_.value.data(), inner_products, call_.memory)
+            || !classes_.intersections(form_.value.data(), integral_.data(), call_.memory))
+            return call_.out_of_memory();
         for (uint32_t j = 0; j < n; ++j) {
-            if (!call_.tick(0.9)) return call_.was_cancelled();
-            out_.inner_products[size_t{n} * i + j] = std::ldexp(classes_.product(j, weight_, value), -PERIOD_BITS);
-            const int64_t number = classes_.intersection(value, j);
+            inner_products[j] = std::ldexp(inner_products[j], -PERIOD_BITS);
             const int32_t wanted = i + n / 2 == j ? 1 : j + n / 2 == i ? -1 : 0;
-            if (number != wanted * (int64_t{1} << PERIOD_BITS))
+            if (static_cast<int64_t>(integral_[j]) != wanted * (int64_t{1} << PERIOD_BITS))
                 return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                                   "The integral of the product of the forms %u and %u is wrong. Please report it.", i,
                                   j);
@@ -237,6 +240,7 @@ private:
     VertexCharts charts_;
     TwistedLaplacian laplacian_;
     TwistedForm form_;
+    Array<uint64_t> integral_; // of the product with each form of the basis
     Array<Unflip> unflips_;
 };
 
