@@ -6,12 +6,13 @@
 //     --threads N       of the library and of BLAS (1)
 //     --cholmod         one linear solve by CHOLMOD in each repetition
 //     --applications    parameterization, cylinders, leaves, atlas as well, once
+//     --forms           a basis of the harmonic 1-forms as well, once
 //     --design          the even design, instead of the job
 //     --quads FILE      the even design and its quads as OBJ
 //     --count N         target number of quads
 //     --mollify X       option of the build (0)
 //
-// Rows: "job" for each repetition; "applications"; "design"; "quads" (seconds with all calls before); "failure".  Times
+// Rows: "job" for each repetition; "applications"; "forms"; "design"; "quads" (seconds with all calls before); "failure".  Times
 // are processor times of the calling thread, with several threads wall times.
 #include <functional>
 
@@ -23,7 +24,7 @@ using namespace measure;
 
 struct Options {
     int repetitions = 1, threads = 1;
-    bool cholmod = false, applications = false, design = false;
+    bool cholmod = false, applications = false, forms = false, design = false;
     double mollify = 0;
     uint64_t quad_count = 0;
     std::string quads, path;
@@ -178,6 +179,34 @@ void run_applications(const Mesh& mesh, const Job& job, const hmf_control& contr
     row.print();
 }
 
+// A basis of the harmonic 1-forms, and what a factorization and a solve for each form take.
+void run_forms(const Mesh& mesh, const Job& job, const hmf_control& control) {
+    hmf_error error = {};
+    hmf_status status = HMF_OK;
+    Owned<hmf_form_set> forms;
+    const double seconds = timed<hmf_form_set>(
+        status, forms, [&](auto** out) { return hmf_harmonic_forms(job.hierarchy.get(), 0, &control, out, &error); });
+    if (status != HMF_OK) return fail(mesh, "forms", status, error.message);
+    Row row("forms");
+    row.text("mesh", mesh.name)
+        .count("edges", forms->edge_count)
+        .count("genus", forms->genus)
+        .count("forms", forms->form_count)
+        .number("seconds", seconds)
+        .number("residual", forms->residual)
+        .number("conjugation_error", forms->conjugation_error);
+#if HMF_HAVE_CHOLMOD
+    hmf_level_mesh* level = nullptr;
+    if (hmf_level(job.hierarchy.get(), 0, nullptr, &level, nullptr) == HMF_OK) {
+        const Owned<hmf_level_mesh> owner(level);
+        Seconds factor, solving;
+        if (run_cholmod(*level, factor, solving))
+            row.number("cholmod_factor", factor.processor).number("cholmod_solve", solving.processor);
+    }
+#endif
+    row.print();
+}
+
 void run_quads(const Mesh& mesh, const Solved& solved, double before, const Options& options,
                const hmf_control& control) {
     hmf_quad_options quad_options;
@@ -266,6 +295,7 @@ int main(int argc, char** argv) {
         } else if (is("--count")) options.quad_count = std::strtoull(argv[++i], nullptr, 10);
         else if (is("--mollify")) options.mollify = std::atof(argv[++i]);
         else if (!std::strcmp(argv[i], "--cholmod")) options.cholmod = true;
+        else if (!std::strcmp(argv[i], "--forms")) options.forms = true;
         else if (!std::strcmp(argv[i], "--design")) options.design = true;
         else if (!std::strcmp(argv[i], "--applications")) options.applications = true;
         else options.path = argv[i];
@@ -291,6 +321,7 @@ int main(int argc, char** argv) {
         Job job;
         good = run(mesh, options, control, r, counter, job);
         if (good && r == 0 && options.applications) run_applications(mesh, job, control);
+        if (good && r == 0 && options.forms) run_forms(mesh, job, control);
         job = Job();
         if (counter.used != 0) fail(mesh, "memory", HMF_ERROR_INTERNAL, "memory was not returned");
     }

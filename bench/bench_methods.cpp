@@ -98,11 +98,12 @@ void print_times(const Mesh& mesh, const char* experiment, const char* method, d
     const History history(s);
     const hmf_report& report = *s.report;
     double optimize = 0, interpolate = 0;
-    std::string level_optimize, level_interpolate;
+    std::string level_optimize, level_interpolate, level_solves;
     for (uint64_t l = report.level_count; l-- > 0;) {
         const hmf_level_report& level = report.levels[l];
         optimize += level.optimize_seconds * history.scale;
         interpolate += level.interpolate_seconds * history.scale;
+        level_solves += (level_solves.empty() ? "" : " ") + std::to_string(level.linear_solve_count);
         level_optimize += (level_optimize.empty() ? "" : " ") + std::to_string(level.optimize_seconds);
         level_interpolate += (level_interpolate.empty() ? "" : " ") + std::to_string(level.interpolate_seconds);
     }
@@ -131,7 +132,8 @@ void print_times(const Mesh& mesh, const char* experiment, const char* method, d
         .number("optimize", optimize)
         .number("interpolate", interpolate)
         .text("level_optimize", level_optimize)
-        .text("level_interpolate", level_interpolate);
+        .text("level_interpolate", level_interpolate)
+        .text("level_solves", level_solves);
     const hmf_history_entry* stop = report.method == HMF_METHOD_NEWTON ? nullptr : history.stop_rule();
     history.time(row, "to_stop_rule", stop);
     row.number("excess_at_stop", stop ? stop->energy / least_energy - 1 : NAN);

@@ -52,6 +52,7 @@ def write(document, times, rows):
                       (5 * len(wanted), 4.2))
     draw_levels(document, [row for row in of(rows, "method") if row["experiment"] == "levels"])
     draw_stages(document, of(times, "method"))
+    bound_cycles(document, of(times, "method"))
     draw_loops(document, rows)
 
 
@@ -100,6 +101,26 @@ def draw_stages(document, rows):
     document.plot("stages", "Figure 12: share of building the hierarchy, of interpolation and of optimization; the "
                   "rest is the start on the coarsest level, checks and the way back to the given triangles. Whitehead "
                   "moves up to the time limit of this run.", draw, (12, 4.4))
+
+
+def bound_cycles(document, rows):
+    """What a full-approximation scheme could gain at most over the cascade of Newton's method."""
+    table = []
+    for row in rows:
+        if row["method"] == "newton" and row.get("level_solves"):
+            solves = [int(word) for word in row["level_solves"].split()]
+            finest = float(row["level_optimize"].split()[-1]) * row["processor"] / row["wall"]
+            least = row["processor"] - row["optimize"] + finest / max(solves[-1], 1)
+            table.append({"shape": row["shape"], "edges": row["edges"], "solves": row["level_solves"],
+                          "processor": row["processor"], "finest": finest / row["processor"], "least": least,
+                          "gain": row["processor"] / least})
+    document.text("A full-approximation V-cycle would start the given mesh from a better value than the cascade does. It "
+                  "still needs one linear solve there. The last column is the gain if it needed no more than this one, "
+                  "and all work on coarser levels were free: no such scheme can gain more.")
+    document.table("cycles", [
+        ("shape", "shape"), ("edges", "edges"), ("linear solves, coarsest level first", "solves"),
+        ("solve s", "processor"), ("share of the given mesh", "finest"), ("bound s", "least"),
+        ("gain at most", "gain")], table)
 
 
 def draw_loops(document, rows):

@@ -50,7 +50,7 @@ def measure(run):
     rows = []
     for shape, path in sorted(stand_ins(run), key=lambda pair: pair[1].stat().st_size):
         edges = path.stat().st_size / 26
-        limit = 1 + 1.3e-6 * edges if run.quick else 8 + 4e-5 * edges
+        limit = 1 + 1.3e-6 * edges if run.quick else 5 + 2.5e-5 * edges
         # Without a hierarchy a large mesh is nowhere near the minimum in a quick run.
         single = 2 * limit if not run.quick else 1.5 if edges < 2e5 else 0
         found = run.rows(f"times-{path.stem}", run.program("bench_methods", "--times", "--whitehead", f"{limit:.1f}",

@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -63,15 +64,7 @@ class Run:
             return []
         part = kept.with_suffix(".part")
         with open(part, "w") as output, open(kept.with_suffix(".log"), "w") as errors:
-            try:
-                code = subprocess.run(command, stdout=output, stderr=errors, timeout=seconds, check=False,
-                                      cwd=pathlib.Path(__file__).parents[1],
-                                      env={**os.environ, **environment}).returncode
-                reason = "" if code == 0 else f"ended with {code}"
-            except subprocess.TimeoutExpired:
-                reason = f"stopped after {seconds:.0f} s"
-            except OSError as error:
-                reason = str(error)
+            reason = finish(command, seconds, {**os.environ, **environment}, output, errors)
         rows = parse(part.read_text())
         if not reason:
             kept.with_suffix(".log").unlink()
@@ -90,6 +83,22 @@ class Run:
 
     def say(self, text):
         print(f"[{max(0, self.seconds_left()):5.0f} s left] {text}", flush=True)
+
+
+def finish(command, seconds, environment, output, errors):
+    """Runs a command; a text if it did not end well.  One that takes too long is ended with what it has started."""
+    try:
+        child = subprocess.Popen(command, stdout=output, stderr=errors, env=environment, start_new_session=True,
+                                 cwd=pathlib.Path(__file__).parents[1])
+    except OSError as error:
+        return str(error)
+    try:
+        code = child.wait(seconds)
+    except subprocess.TimeoutExpired:
+        os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+        return f"stopped after {seconds:.0f} s"
+    return "" if code == 0 else f"ended with {code}"
 
 
 def parse(text):
