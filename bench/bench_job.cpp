@@ -12,8 +12,8 @@
 //     --count N         target number of quads
 //     --mollify X       option of the build (0)
 //
-// Rows: "job" for each repetition; "applications"; "forms"; "design"; "quads" (seconds with all calls before); "failure".  Times
-// are processor times of the calling thread, with several threads wall times.
+// Rows: "job" for each repetition; "applications"; "forms"; "design"; "quads" (seconds with all calls before);
+// "failure".  Times are processor times of the calling thread, with several threads wall times.
 #include <functional>
 
 #include "measure.hpp"

@@ -19,8 +19,9 @@ def measure(run):
 def write(document, rows):
     document.heading("Harmonic 1-forms")
     document.text("A basis of 2 * genus closed and coclosed forms with integer periods. Cholesky: one factorization by "
-                  "CHOLMOD and a solve for each form; the integer start is not counted. Conjugation error: largest entry "
-                  "of J^2 + 1, which falls with the size of the triangles. Processor seconds of one thread, one run.")
+                  "CHOLMOD and a solve for each form; the integer start is not counted. Conjugation error: largest "
+                  "entry of J^2 + 1, which falls with the size of the triangles. Processor seconds of one thread, "
+                  "one run.")
     table = []
     for row in of(rows, "forms"):
         line = dict(row)
@@ -38,5 +39,5 @@ def write(document, rows):
     slow = [f"{line['mesh']} ({line['seconds'] / line['goal']:.1f})" for line in table if line.get("goal")
             and line["edges"] > 5e4 and line["seconds"] > line["goal"]]
     if table:
-        document.goal(not slow, "A basis of harmonic 1-forms takes longer than 0.3 + 0.05 per form of one factorization, "
-                      "above 50,000 edges: " + (", ".join(slow) if slow else "nowhere") + ".")
+        document.goal(not slow, "A basis of harmonic 1-forms takes longer than 0.3 + 0.05 per form of one "
+                      "factorization, above 50,000 edges: " + (", ".join(slow) if slow else "nowhere") + ".")

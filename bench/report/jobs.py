@@ -15,9 +15,9 @@ def meshes(run):
         return found
     made = []
     for name, make in (("torus_90k", lambda: shapes.torus(300, 100)),
-                       ("plate_genus4_290k", lambda: times(shapes.divide, shapes.smooth(*shapes.plate(2, 2), 0), 6)),
+                       ("plate_240k", lambda: shapes.smooth(*times(shapes.divide, shapes.plate(2, 2), 5), 3)),
                        ("torus_750k", lambda: shapes.torus(1000, 250)),
-                       ("frame_1500k", lambda: times(shapes.divide, shapes.frame(3, 1), 5))):
+                       ("frame_1800k", lambda: times(shapes.divide, shapes.frame(3, 1), 5))):
         path = run.meshes / f"{name}.obj"
         if not path.exists():
             shapes.write_obj(path, *make())

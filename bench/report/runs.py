@@ -52,13 +52,13 @@ class Run:
         return [sys.executable, "-m", f"report.{module}", *map(str, words)]
 
     def rows(self, name, command, seconds=600, environment=ONE_THREAD):
-        """The rows that a command prints.  A command that is stopped or fails leaves what it has printed, and a row
-        "failure"; one that was not started is listed in left_out."""
+        """The rows that a command prints.  One that fails or takes longer than seconds leaves what it has printed,
+        and a row "failure"; one that the end of the section stops, or leaves no time to start, is in left_out."""
         key = hashlib.sha256("\n".join([self.state, self.mode, *command]).encode()).hexdigest()[:16]
         kept = self.cache / f"{name.replace('/', '_')}-{key}.jsonl"
         if kept.exists():
             return parse(kept.read_text())
-        seconds = min(seconds, self.section_end - time.time())
+        own, seconds = seconds, min(seconds, self.section_end - time.time())
         if seconds < 1:
             self.left_out.append(name)
             return []
@@ -68,6 +68,8 @@ class Run:
         rows = parse(part.read_text())
         if not reason:
             kept.with_suffix(".log").unlink()
+        elif reason.startswith("stopped") and seconds < own:
+            self.left_out.append(name)
         elif not any(row["row"] == "failure" for row in rows):
             said = (kept.with_suffix(".log").read_text(errors="replace").strip().splitlines() or [""])[-1]
             rows.append({"row": "failure", "mesh": name, "stage": "run", "what": f"{reason} {said[:200]}".strip()})

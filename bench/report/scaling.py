@@ -123,7 +123,8 @@ def write(document, rows):
                         axes.plot([line[x] for line in same], [line["job_us_per_edge"] for line in same], "o-",
                                   label=family)
                 axes.set(xscale="log", xlabel=x, ylabel="µs of a job per edge", ylim=(0, None))
-                axes.legend(fontsize=8)
+                if axes.lines:
+                    axes.legend(fontsize=8)
         document.plot("scaling", "Time of a job per edge.", draw)
         grown = [value for family, value in exponents.items() if family != "genus" and value is not None]
         document.goal(not grown or max(grown) <= 1.15, f"Time grows as edges to the power {max(grown, default=1):.2f} "
