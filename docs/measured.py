@@ -2,7 +2,8 @@
 """Measured numbers on the pages are those of bench/recorded, which bench/run.sh measured.
 
     docs/measured.py                   prints what differs
-    docs/measured.py --from FOLDER     copies the tables of a run (build/report-full) and writes the pages
+    docs/measured.py --from FOLDER     copies the tables of a run (build/report-full) that have at least as many rows,
+                                       and writes the pages
 """
 
 import csv
@@ -89,10 +90,10 @@ def wrong() -> list[str]:
 def record(folder: Path) -> None:
     for path in sorted(RECORDED.glob("*.csv")):
         found = folder / "tables" / path.name
-        if found.is_file():
+        if found.is_file() and len(found.read_text().splitlines()) >= len(path.read_text().splitlines()):
             shutil.copyfile(found, path)
         else:
-            print(f"kept: {path.name}, the run has none")
+            print(f"kept: {path.name}, the run has fewer rows")
     for page, fill in PAGES.items():
         (ROOT / page).write_text(fill((ROOT / page).read_text()))
 

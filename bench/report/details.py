@@ -5,6 +5,10 @@ from . import jobs, shapes
 from .runs import of
 
 
+NAMES = ("kitten_29k", "fertility_28k", "botijo_24k", "joint_15k", "genus3_68k", "skull_100k", "kitten_106k",
+         "rocker-arm_20k")
+
+
 def with_holes(points, triangles, number):
     """Removes all triangles at some vertices that are far from each other."""
     holes = [int(np.argmax(points[:, 0]))]
@@ -20,7 +24,7 @@ def with_holes(points, triangles, number):
 
 def measure(run):
     rows = []
-    paths = [path for name in ("kitten_29k", "fertility_28k", "botijo_24k", "eight_11k") if (path := shapes.find(name))]
+    paths = [path for name in NAMES[:4 if run.quick else None] if (path := shapes.find(name))]
     paths = paths or [path for _, path in jobs.meshes(run)[:1]]
     for path in paths:
         rows += run.rows(f"details-applications-{path.stem}", run.program("bench_job", "--applications", path), 120)

@@ -84,11 +84,13 @@ class Document:
         return None
 
     def numbers(self, name, rows):
-        keys = list(dict.fromkeys(key for row in rows for key in row if key != "row"))
+        """The CSV file of a table: all values of the rows, without the texts made of them."""
+        keys = list(dict.fromkeys(key for row in rows for key in row if key != "row" and not key.endswith("_text")))
         with open(self.folder / "tables" / f"{name}.csv", "w", newline="") as file:
             writer = csv.DictWriter(file, keys, extrasaction="ignore", lineterminator="\n")
             writer.writeheader()
-            writer.writerows(rows)
+            writer.writerows({key: f"{value:.7g}" if isinstance(value, float) else value for key, value in row.items()}
+                             for row in rows)
 
     def plot(self, name, caption, draw, size=(9, 4.2)):
         """draw(figure) fills a matplotlib figure."""

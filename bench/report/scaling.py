@@ -49,8 +49,9 @@ def measure(run):
             large = path.stat().st_size > 3e7
             found = run.rows(f"{kind}-{path.stem}", run.program("bench_job", "-r", 1 if large else 3, path), 400)
             rows += [dict(row, experiment=kind) for row in found]
-    for path in [shapes.find(name) for name in shapes.MEASURED_SHAPES[-2:]] + [run.meshes / "scale_torus_256.obj"]:
-        if path and path.exists():
+    large = [path for name in shapes.MEASURED_SHAPES[-2:] if (path := shapes.find(name))]
+    for path in large or [run.meshes / "scale_torus_256.obj"]:
+        if path.exists():
             for threads in (1, 2):
                 found = run.rows(f"threads-{path.stem}-{threads}", run.program(
                     "bench_job", "-r", 1 if run.quick else 5, "--threads", threads, path), 400)
