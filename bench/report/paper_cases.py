@@ -56,6 +56,7 @@ def write(document, rows):
                     (f"{ratio}: ours", f"newton_{index}")]
     document.table("paper_cases", columns, table, "Each cell: NLD, BF before/after, P.")
     document.numbers("paper_cases_all", cases)
+    collapses(document, cases)
     ours = [row for row in cases if row["method"] == "newton"]
     theirs = [row for row in cases if row["method"] == "paper"]
     poles = [row["shape"] for row in theirs if row.get("poles")]
@@ -67,3 +68,32 @@ def write(document, rows):
                   + ", ".join(bad) + "." if bad else
                   f"The default method has no pole and a proven class in all {len(ours)} hierarchies of Table 2; the "
                   f"method as printed makes poles in {len(poles)} of {len(theirs)}.")
+
+
+def collapses(document, cases):
+    """Figure 6: sums over the shapes that were measured with all three kinds of collapses."""
+    complete = {row["shape"] for row in cases if row["collapse"] == "quadric" and row["ratio"] == 0.75}
+    table = []
+    for collapse in ("midpoint", "endpoint", "quadric"):
+        for ratio in (0.25, 0.5, 0.75):
+            same = [row for row in cases if row["shape"] in complete
+                    and (row["collapse"], row["ratio"]) == (collapse, ratio)]
+            if not same:
+                continue
+            line = {"collapse": collapse, "ratio": ratio, "shapes": len({row["shape"] for row in same})}
+            for method in ("paper", "newton"):
+                mine = [row for row in same if row["method"] == method]
+                line["non_delaunay"] = sum(row["non_delaunay"] for row in mine)
+                for key in ("bad_flips", "bad_flips_left", "poles"):
+                    line[f"{method}_{key}"] = sum(row.get(key) or 0 for row in mine)
+                line[f"{method}_seconds"] = sum(row["processor"] for row in mine)
+            table.append(line)
+    if table:
+        document.text("Figure 6: kinds of collapses, sums over the shapes measured with all three. Seconds are "
+                      "processor seconds of all solves: Whitehead moves to the paper's stop rule, and the default method to "
+                      "1e-8.")
+        document.table("collapses", [
+            ("collapse to", "collapse"), ("ratio", "ratio"), ("shapes", "shapes"), ("NLD", "non_delaunay"),
+            ("paper: bad flips", "paper_bad_flips"), ("made a pole", "paper_bad_flips_left"), ("poles", "paper_poles"),
+            ("seconds", "paper_seconds"), ("ours: bad flips", "newton_bad_flips"),
+            ("made a pole", "newton_bad_flips_left"), ("poles", "newton_poles"), ("seconds", "newton_seconds")], table)
