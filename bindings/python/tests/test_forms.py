@@ -27,15 +27,15 @@ def test_basis_conjugation_and_periods(hierarchy: foliations.Hierarchy) -> None:
 def test_closed_in_every_triangle(hierarchy: foliations.Hierarchy) -> None:
     level = hierarchy.levels[1]
     forms = hierarchy.harmonic_forms(1)
-    triangles, edges = level.triangle_vertices, level.triangle_edges
-    along = np.where(level.edge_vertices[edges, 0] == triangles, 1, -1)
+    triangles, edges = level.triangles, level.triangle_edges
+    along = np.where(level.edges[edges, 0] == triangles, 1, -1)
     assert np.array_equal((forms.values[:, edges] * along).sum(axis=2), np.zeros((len(forms), len(triangles))))
 
 
 def test_errors(hierarchy: foliations.Hierarchy) -> None:
     with pytest.raises(foliations.LevelError):
         hierarchy.harmonic_forms(99)
-    positions, triangles = hierarchy.levels[0].positions, hierarchy.levels[0].triangle_vertices
+    positions, triangles = hierarchy.levels[0].positions, hierarchy.levels[0].triangles
     with pytest.warns(foliations.MeshWarning):
         opened = foliations.Hierarchy(positions, triangles[1:])
     with pytest.raises(foliations.UnsupportedError, match="boundar"):

@@ -24,7 +24,7 @@ _INPUT = ("mesh", "positions", "triangles", "loops", "weights", *_BUILD, *_SOLVE
 # Not carried on: the mesh may be large, and these are lists, or lists of lists.
 _DROPPED = ("positions", "triangles", "loops", "weights", "marked_vertices")
 
-_COMPONENTS = " In Python: foliations.solve_components, which has a row for each (ComponentRow.row)."
+_COMPONENTS = " For each component solve_components has a row (ComponentRow.row)."
 
 
 def _given(value: Any) -> bool:
