@@ -95,8 +95,11 @@ TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbor& ne
     case Format::vtk: mesh = read_vtk(bytes); break;
     }
     if (mesh.positions.empty() || mesh.triangles.empty())
-        throw MeshError("the file has no " + std::string(mesh.positions.empty() ? "vertices" : "faces") + "; is it "
-                        + name_of(format) + "?" + (mesh.notes.empty() ? "" : " (" + mesh.notes[0] + ")"));
+        throw MeshError("the file has no "
+                        + std::string(format == Format::gltf   ? "triangles"
+                                      : mesh.positions.empty() ? "vertices"
+                                                               : "faces")
+                        + "; is it " + name_of(format) + "?" + (mesh.notes.empty() ? "" : " (" + mesh.notes[0] + ")"));
     if (mesh.vertex_count() > 0x7fffffff || mesh.triangle_count() > 0x7fffffff)
         throw MeshError("the mesh has more than 2^31 vertices or triangles; divide it");
     triangulate_polygons(mesh);

@@ -60,6 +60,8 @@ struct Header {
     bool is_text = false, big_endian = false;
     std::vector<Element> elements; // names lie in the bytes
     size_t size = 0, lines = 0;
+    uint64_t unknown = 0; // lines that are not of PLY: old programs sign the header without "comment"
+    std::string first_unknown;
 };
 
 Type read_type(TextCursor& text) {
@@ -125,8 +127,9 @@ Header read_header(std::string_view bytes) {
         } else if (keyword == "property") {
             if (header.elements.empty()) text.fail("a property before the first element");
             header.elements.back().properties.push_back(read_property(text));
-        } else if (keyword != "ply" && keyword != "comment" && keyword != "obj_info" && keyword != "end_header")
-            text.fail(in_quotes(keyword) + " is no keyword of the header of PLY; remove the line");
+        } else if (keyword != "ply" && keyword != "comment" && keyword != "obj_info" && keyword != "end_header"
+                   && header.unknown++ == 0)
+            header.first_unknown = "line " + std::to_string(text.line()) + ": " + in_quotes(keyword);
     }
     if (!has_format) throw MeshError("the header has no line format", 1);
     return header;
@@ -432,7 +435,14 @@ private:
 TriangleMesh read_ply(std::string_view bytes) {
     const Header header = read_header(bytes);
     const std::string_view body = bytes.substr(header.size);
-    return header.is_text ? PlyReader<TextRows>(header, body).read() : PlyReader<BinaryRows>(header, body).read();
+    TriangleMesh mesh =
+        header.is_text ? PlyReader<TextRows>(header, body).read() : PlyReader<BinaryRows>(header, body).read();
+    if (header.unknown > 0)
+        mesh.notes.push_back("skipped " + std::to_string(header.unknown)
+                             + (header.unknown == 1 ? " line of the header that is not of PLY"
+                                                    : " lines of the header that are not of PLY, the first")
+                             + " (" + header.first_unknown + ")");
+    return mesh;
 }
 
 } // namespace readers

@@ -150,7 +150,7 @@ TEST(ReadGltf, Refusals) {
     refused("[]", {"no object"});
     refused("{}", {"version 2"});
     refused("{\"asset\":{\"version\":\"1.0\"}}", {"version 2"});
-    refused("{\"asset\":{\"version\":\"2.0\"}}", {"no vertices"});
+    refused("{\"asset\":{\"version\":\"2.0\"}}", {"no triangles"});
     refused("{\"asset\":{\"version\":\"2.0\"},\"scene\":0}", {"scenes[0] does not exist"});
     refused(std::string(1000, '['), {"nested too deeply"});
     refused("[1e999]", {"too large"});
@@ -162,7 +162,7 @@ TEST(ReadGltf, Refusals) {
     changed("{\"mesh\":0}", "{\"mesh\":1}", {"meshes[1] does not exist"});
     changed("{\"mesh\":0}", "{\"mesh\":0,\"matrix\":[1]}", {"nodes[0]", "16 numbers"});
     changed("{\"mesh\":0}", "{\"mesh\":0,\"scale\":[1e308,1,1]}", {"not finite"});
-    changed("{\"mesh\":0}", "{}", {"no vertices"});
+    changed("{\"mesh\":0}", "{}", {"no triangles"});
     changed("\"indices\":1", "\"indices\":5", {"accessors[5] does not exist"});
     changed("\"indices\":1", "\"indices\":0", {"accessors[0]", "SCALAR"});
     changed("\"POSITION\":0", "\"POSITION\":1", {"accessors[1]", "VEC3"});
