@@ -66,7 +66,7 @@ export class Foliation {
         this.dispose();
     }
 
-    /** Internal: runs work(frame, address) and gives back what it took. */
+    /** Internal: runs work(frame, address) and frees the memory of the frame. */
     perform(options, work) {
         return this.hierarchy.perform(options, frame => {
             if (this.#address === 0) throw new Error('This foliation has been disposed of. Make it again, with hierarchy.solve(), say.');

@@ -58,7 +58,7 @@ export function withMesh(module, positions, triangles, options, work) {
     });
 }
 
-/** Runs work(frame) with the progress function of options, and gives back what it took. */
+/** Runs work(frame) with the progress function of options, and frees the memory of the frame. */
 function withFrame(module, options, work) {
     const frame = new Frame(module);
     try {
@@ -211,7 +211,7 @@ export class Hierarchy {
         if (this.#busy) throw new Error('This hierarchy is in use by the call whose progress callback is running. Use it after that call.');
     }
 
-    /** Internal: runs work(frame, address) and gives back what it took; options may have a progress function. */
+    /** Internal: runs work(frame, address) and frees the memory of the frame; options may have a progress function. */
     perform(options, work) {
         this.refuseWhenBusy();
         if (this.disposed) throw new Error('This hierarchy has been disposed of. Build it again with new Hierarchy(positions, triangles).');
@@ -223,7 +223,7 @@ export class Hierarchy {
         }
     }
 
-    /** Internal: a foliation of this hierarchy is there; it is freed with the hierarchy at the latest. */
+    /** Internal: registers a foliation of this hierarchy, which is freed with the hierarchy at the latest. */
     adopt(foliation, address) {
         this.#held.foliations.add(address);
         forgotten.register(foliation, { held: this.#held, foliation: address }, foliation);

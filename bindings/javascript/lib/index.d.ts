@@ -605,7 +605,7 @@ export interface Report {
     /**
      * Do the values belong to the loops?  "proven", exactly: one cylinder of closed
      * leaves for each loop, as high as its weight, and freely homotopic to it;
-     * "lost": never with "HMF_OK"; "unknown": not looked at, as in
+     * "lost": never with "HMF_OK"; "unknown": not checked, as in
      * `relax`, cancelled, or a start with values that no loops have.
      */
     classState: "unknown" | "proven" | "lost";

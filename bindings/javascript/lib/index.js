@@ -15,7 +15,7 @@ import { statusName } from './error.js';
 
 export { HmfError } from './error.js';
 
-// What one does with a foliation (applications.h), apart from what it is like (hmf.h).
+// Methods for applications.h, apart from those for hmf.h.
 const attach = (prototype, uses) => {
     for (const [name, use] of Object.entries(uses))
         Object.defineProperty(prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });

@@ -343,7 +343,7 @@ class Foliation:
         outcome = run(lib.hmf_relax, self._pointer, solve_options(options), progress=progress, accept=STOPPED)
         return solved(self._hierarchy, outcome, self._loops, self._weights)
 
-    # What one does with it: include/hmf/applications.h, a module for each.
+    # Applications (include/hmf/applications.h), a module for each.
     parameterize = parameterize
     trace = trace
     cylinders = cylinders

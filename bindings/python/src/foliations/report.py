@@ -56,7 +56,7 @@ class Report:
     levels: tuple[LevelReport, ...]  #: finest first
     history: tuple[HistoryEntry, ...]  #: in order of time
     #: Do the values belong to the loops?  "proven": exactly, one cylinder for each loop, as high as its weight and
-    #: freely homotopic to it; "lost": no, never with OK; "unknown": not looked at, as after relax.
+    #: freely homotopic to it; "lost": no, never with OK; "unknown": not checked, as after relax.
     class_state: ClassState
     class_repeats: int  #: levels that were solved once more, as the first result had left the class
     class_seconds: float  #: for the certificate, part of solve_seconds

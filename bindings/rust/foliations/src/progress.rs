@@ -12,7 +12,7 @@ use std::ptr;
 
 /// What a progress closure wants.
 ///
-/// A closure may also return `()`, which goes on, or a [`ControlFlow`], whose
+/// A closure may also return `()`, which continues, or a [`ControlFlow`], whose
 /// `Break` cancels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Progress {
@@ -44,7 +44,7 @@ impl<B, C> From<ControlFlow<B, C>> for Progress {
 ///
 /// During each call that can be long the closure is called on this thread with a
 /// fraction rising from 0 to 1, and may end the call. If it panics, the call is
-/// cancelled and the panic goes on. The closure may use this crate itself: its own
+/// cancelled and the panic continues. The closure may use this crate itself: its own
 /// calls are not watched.
 ///
 /// ```
@@ -155,7 +155,7 @@ pub(crate) fn with_control<T>(call: impl FnOnce(*const sys::hmf_control) -> T) -
     )
 }
 
-/// A panic of the closure goes on here, once the call is over.
+/// A panic of the closure continues here, after the call.
 pub(crate) fn go_on_with_panic() {
     let user = CURRENT.get();
     if user.is_null() {

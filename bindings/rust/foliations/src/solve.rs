@@ -147,7 +147,7 @@ impl<'a> Solver<'a> {
 
     /// A closure that is called on this thread with a fraction rising from 0 to
     /// 1, and that may end the call. If it panics, the call is cancelled and the
-    /// panic goes on.
+    /// panic continues.
     pub fn progress<R: Into<Progress>>(mut self, closure: impl FnMut(f64) -> R + 'a) -> Self {
         self.progress = Closure::new(closure);
         self
@@ -266,7 +266,7 @@ record! {
         residual_mean: f64,
         /// Poles of the result, as in [`Foliation::singularities`].
         poles: u64,
-        /// Zeros of the result, each as often as its order; with boundary those of the surface.
+        /// Zeros of the result, counted with their orders; with boundary those of the surface.
         zeros: u64,
         /// Sum of all indices, 4 - 4 genus - marked vertices; with boundary the sum over the surface.
         index_sum: i64,
@@ -305,7 +305,7 @@ codes! {
     /// Proven, exactly and from the integers of the result alone: one cylinder of closed
     /// leaves for each loop, as high as the weight of the loop, and freely homotopic to it.
     ClassState: i32 {
-        /// Not looked at: `relax`, cancelled, or a start with values that no loops have.
+        /// Not checked: `relax`, a cancelled call, or a start with values that belong to no loops.
         Unknown = sys::HMF_CLASS_UNKNOWN,
         /// The values belong to the loops.
         Proven = sys::HMF_CLASS_PROVEN,

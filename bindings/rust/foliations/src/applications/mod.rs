@@ -1,4 +1,4 @@
-//! What one does with a foliation.
+//! Applications of a foliation and of a hierarchy.
 
 pub mod atlas;
 pub mod cylinders;

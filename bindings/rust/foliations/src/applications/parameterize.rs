@@ -62,7 +62,7 @@ impl<'a> Parameterizer<'a> {
 
     /// A closure that is called on this thread with a fraction rising from 0 to
     /// 1, and that may end the call. If it panics, the call is cancelled and the
-    /// panic goes on.
+    /// panic continues.
     pub fn progress<R: Into<Progress>>(mut self, closure: impl FnMut(f64) -> R + 'a) -> Self {
         self.progress = Closure::new(closure);
         self
