@@ -60,7 +60,11 @@ generator=$(command -v ninja > /dev/null && echo Ninja || echo "Unix Makefiles")
 } > "$work/build.log" 2>&1 || { tail -20 "$work/build.log" && exit 1; }
 wait
 
-python=$venv/bin/python
-"$python" -c "import numpy" 2> /dev/null || python=python3
-"$python" -c "import numpy" || { echo "numpy is needed, see $log" && exit 1; }
-cd bench && exec "$python" -m report "$mode" "$work" "$build/bench" "$start"
+cd bench || exit 1
+for python in "$venv/bin/python" python3 /usr/bin/python3; do
+    if "$python" -c "import numpy" 2> /dev/null; then
+        exec "$python" -m report "$mode" "$work" "$build/bench" "$start"
+    fi
+done
+echo "numpy is needed and could not be installed, see $log" >&2
+exit 1

@@ -90,8 +90,7 @@ def collapses(document, cases):
             table.append(line)
     if table:
         document.text("Figure 6: kinds of collapses, sums over the shapes measured with all three. Seconds are "
-                      "processor seconds of all solves: Whitehead moves to the paper's stop rule, and the default method to "
-                      "1e-8.")
+                      "processor seconds of all solves: Whitehead moves to the stop rule, the default method to 1e-8.")
         document.table("collapses", [
             ("collapse to", "collapse"), ("ratio", "ratio"), ("shapes", "shapes"), ("NLD", "non_delaunay"),
             ("paper: bad flips", "paper_bad_flips"), ("made a pole", "paper_bad_flips_left"), ("poles", "paper_poles"),

@@ -14,52 +14,57 @@ def write_mesh(run, name, make):
 
 
 def sized(run):
-    """(family, edges about, mesh): two families from a thousand edges on."""
+    """Meshes of two families from a thousand edges on, made one by one."""
     most = 7e5 if run.quick else 1.1e7
-    found, rows = [], 16
-    while 9 * rows * rows <= most and run.has_time(2e-5 * rows * rows):
-        found.append(write_mesh(run, f"scale_torus_{rows}", lambda: shapes.torus(3 * rows, rows)))
-        rows *= 2
-    level, mesh = 0, shapes.frame(3, 1)
-    while 1.5 * len(mesh[1]) <= most and run.has_time(1e-5 * len(mesh[1])):
-        found.append(write_mesh(run, f"scale_frame_{level}", lambda: mesh))
-        level, mesh = level + 1, shapes.divide(*mesh)
-    return found
+    level, mesh, rows = 0, shapes.frame(3, 1), 16
+    while True:
+        torus = 9 * rows * rows <= most and run.has_time(2e-5 * rows * rows)
+        if torus:
+            yield write_mesh(run, f"scale_torus_{rows}", lambda: shapes.torus(3 * rows, rows))
+            rows *= 2
+        frame = 1.5 * len(mesh[1]) <= most and run.has_time(1e-5 * len(mesh[1]))
+        if frame:
+            yield write_mesh(run, f"scale_frame_{level}", lambda: mesh)
+            level, mesh = level + 1, shapes.divide(*mesh)
+        if not torus and not frame:
+            return
 
 
 def genera(run):
-    found = []
     for side in (1, 2, 4, 8, 16) if run.quick else (1, 2, 4, 8, 16, 32):
-        if not run.has_time(3):
-            break
-
         def make(side=side):
             mesh = shapes.plate(side, side)
             while len(mesh[1]) < (3e4 if run.quick else 2e5):
                 mesh = shapes.divide(*mesh)
             return shapes.smooth(*mesh, 2)
-        found.append(write_mesh(run, f"genus_{side * side}", make))
-    return found
+        if run.has_time(3):
+            yield write_mesh(run, f"genus_{side * side}", make)
 
 
 def measure(run):
-    rows = []
-    for kind, paths in (("edges", sized(run)), ("genus", genera(run))):
+    # Generated meshes stand for the folder once they are made.
+    steps = (measure_threads, measure_sizes) if shapes.folder() else (measure_sizes, measure_threads)
+    return [row for step in steps for row in step(run)]
+
+
+def measure_sizes(run):
+    for kind, paths in (("genus", genera(run)), ("edges", sized(run))):
         for path in paths:
             large = path.stat().st_size > 3e7
             found = run.rows(f"{kind}-{path.stem}", run.program("bench_job", "-r", 1 if large else 3, path), 400)
-            rows += [dict(row, experiment=kind) for row in found]
+            yield from (dict(row, experiment=kind) for row in found)
+
+
+def measure_threads(run):
+    for path in resolutions(run):
+        found = run.rows(f"resolution-{path.stem}", run.program("bench_job", path), 200)
+        yield from (dict(row, experiment="resolution") for row in found)
     large = [path for name in shapes.MEASURED_SHAPES[-2:] if (path := shapes.find(name))]
     for path in large or [run.meshes / "scale_torus_256.obj"]:
-        if path.exists():
-            for threads in (1, 2):
-                found = run.rows(f"threads-{path.stem}-{threads}", run.program(
-                    "bench_job", "-r", 1 if run.quick else 5, "--threads", threads, path), 400)
-                rows += [dict(row, experiment="threads") for row in found]
-    for path in resolutions(run):
-        rows += [dict(row, experiment="resolution") for row in run.rows(
-            f"resolution-{path.stem}", run.program("bench_job", path), 200)]
-    return rows
+        for threads in (1, 2) if path.exists() else ():
+            found = run.rows(f"threads-{path.stem}-{threads}", run.program(
+                "bench_job", "-r", 1 if run.quick else 5, "--threads", threads, path), 400)
+            yield from (dict(row, experiment="threads") for row in found)
 
 
 def resolutions(run):
