@@ -666,8 +666,8 @@ typedef struct hmf_quad_mesh {
  * each corner of the boundary of more than 45 degrees gets a vertex, and the other vertices
  * slide along the boundary.  Triangles at the boundary that no leaf crosses may be left out.
  *
- * If relaxed quads do not follow the surface, smaller ones are tried, up to eight times as
- * many as requested.
+ * If relaxed quads are inverted or do not follow the surface, smaller ones are tried, up to
+ * eight times as many as the cylinders need at least.
  *
  * Returns HMF_OK, HMF_CANCELLED, or
  *   HMF_ERROR_QUADS        even these do not follow the surface; a part of the surface that no

@@ -111,19 +111,6 @@ TEST_F(OnAnEdge, VerticesSlide) {
     }
 }
 
-// A free row goes towards the edge, where the quads cover more of both faces: without that it stays .15 from it.
-TEST_F(OnAnEdge, RowsBesideItGoThere) {
-    for (uint32_t i = 0; i < COLUMNS; ++i) {
-        quads.positions[3 * i + 1] = 0.7;
-        if (quads.held[COLUMNS + i] != hmf::ON_CREASE) continue;
-        quads.held[COLUMNS + i] = 0;
-        quads.positions[3 * (COLUMNS + i) + 1] = 0.2;
-        quads.sides[COLUMNS + i] = quads.sides[i];
-    }
-    optimize(mesh, made.positions.data(), quads, call);
-    for (uint32_t i = 2; i + 2 < COLUMNS; ++i) { EXPECT_LT(quads.positions[3 * (COLUMNS + i) + 1], 0.14); }
-}
-
 // A cube of six quads that cut one corner off by less than half a side: their vertex goes there.
 TEST(ReachTips, ACornerIsTaken) {
     constexpr uint32_t SIDES[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 2, 6, 4},

@@ -5,23 +5,9 @@
 #include "quad_numbers.hpp"
 #include "surface_search.hpp"
 
+#include <utility>
+
 namespace hmf {
-
-namespace {
-
-// Vertices of quads with worse corners leave what holds them.
-void give_up(QuadMesh& quads) {
-    for (size_t q = 0; q < quads.quad_count(); ++q) {
-        const double worst = worst_corner(quads, q);
-        for (size_t k = 0; k < 4; ++k) {
-            uint8_t& held = quads.held[quads.quads[4 * q + k]];
-            const bool slides = held == ON_CREASE || held == ON_WAY_TO_TIP;
-            if (!is_at_boundary(held) && worst < (slides ? LEAST_SLIDING : LEAST_TAKEN)) held = 0;
-        }
-    }
-}
-
-} // namespace
 
 hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadMesh& quads, QuadMesh& fitted,
                      Call& call) {
@@ -30,6 +16,10 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadM
     if (!fitted.copy(quads, call.memory) || !surface.build(mesh, position, call.memory)) return call.out_of_memory();
     QuadOptimizer optimizer(mesh, position, surface, fitted, call);
     if (optimizer.start() || optimizer.untangle() || optimizer.shape(sweeps)) return call.status();
+    QuadMesh plain; // without tips and sharp edges
+    uint64_t before = 0, after = 0;
+    if (!plain.copy(fitted, call.memory)) return call.out_of_memory();
+    if (!count_inverted(surface, plain, before, call)) return call.was_cancelled();
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0;
         if (reach_tips(mesh, position, surface, fitted, reached, call)
@@ -39,12 +29,10 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, int sweeps, QuadM
         optimizer.look_again();
         if (optimizer.shape(sweeps)) return call.status();
     }
-    give_up(fitted);
-    optimizer.look_again();
-    uint64_t left = 0;
-    if (optimizer.shape(sweeps)) return call.status();
-    if (!count_inverted(surface, fitted, left, call)) return call.stopped();
-    return left == 0 ? HMF_OK : optimizer.untangle(1) ? call.status() : optimizer.shape(sweeps);
+    if (optimizer.untangle(1) || optimizer.shape(sweeps)) return call.status();
+    if (!count_inverted(surface, fitted, after, call)) return call.was_cancelled();
+    if (after > before) std::swap(fitted, plain);
+    return HMF_OK;
 }
 
 } // namespace hmf

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "corner_energy.hpp"
+#include "quad_figures.hpp"
 #include "quad_numbers.hpp"
 #include "surface_lines.hpp"
 #include "surface_walk.hpp"
@@ -81,9 +82,7 @@ void QuadOptimizer::look_again() {
 // Sides with one quad are those of the boundary.
 Done QuadOptimizer::find_boundary() {
     const uint32_t n = quads_.vertex_count();
-    if (!ahead_.allocate_filled(call_.memory, n, NONE) || !behind_.allocate_filled(call_.memory, n, NONE)
-        || !flat_.allocate_filled(call_.memory, n, uint8_t{0}))
-        return false;
+    if (!ahead_.allocate_filled(call_.memory, n, NONE) || !behind_.allocate_filled(call_.memory, n, NONE)) return false;
     for (size_t i = 0; i < quads_.quads.size(); ++i) {
         const uint32_t a = quads_.quads[i], b = quads_.quads[i / 4 * 4 + (i + 1) % 4];
         if (!is_at_boundary(quads_.held[a]) || !is_at_boundary(quads_.held[b]) || !stars_.is_outer(quads_, a, b))
@@ -92,7 +91,6 @@ Done QuadOptimizer::find_boundary() {
         ahead_[a] = b;
         behind_[b] = a;
     }
-    for (uint32_t v = 0; v < n; ++v) flat_[v] = quads_.held[v] == AT_BOUNDARY && stars_.end(v) - stars_.begin(v) == 1;
     return true;
 }
 
@@ -154,9 +152,8 @@ double QuadOptimizer::energy(uint32_t v, double* areas) const {
         const double per_area = 1 / target_[*q];
         for (size_t k = 0; k < 4; ++k, ++areas) {
             const Point e = quad.p[(k + 1) % 4] - quad.p[k], b = quad.p[(k + 3) % 4] - quad.p[k];
-            *areas = flat_[quad.corner[k]] ? 1 : dot(cross(e, b), n) * per_area;
-            if (!flat_[quad.corner[k]])
-                sum += corner_value(0.5 * per_area * (dot(e, e) + dot(b, b)), *areas, per_area * dot(e, b), eps_);
+            *areas = dot(cross(e, b), n) * per_area;
+            sum += corner_value(0.5 * per_area * (dot(e, e) + dot(b, b)), *areas, per_area * dot(e, b), eps_);
         }
         if (growth_ > 0) {
             const Point d = quad.diagonals();
@@ -193,8 +190,6 @@ QuadOptimizer::Slopes QuadOptimizer::slopes(uint32_t v, const Axes& axes, double
         const Point n = normal_of(quad.corner);
         const double per_area = 1 / target_[*q];
         for (size_t k = 0; k < 4; ++k, ++areas) {
-            *areas = 1;
-            if (flat_[quad.corner[k]]) continue;
             const Point e = quad.p[(k + 1) % 4] - quad.p[k], b = quad.p[(k + 3) % 4] - quad.p[k];
             const double s = 0.5 * per_area * (dot(e, e) + dot(b, b)), a = per_area * dot(cross(e, b), n),
                          c = per_area * dot(e, b);
@@ -295,10 +290,10 @@ bool QuadOptimizer::move(uint32_t v) {
     return false;
 }
 
-// Quads around v that are folded as they are counted, seen by themselves.
+// Folded quads around v.
 size_t QuadOptimizer::bad_around(uint32_t v) const {
     size_t bad = 0;
-    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) bad += !(worst_corner(quads_, *q) > 0);
+    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) bad += is_folded(*q);
     return bad;
 }
 
@@ -351,16 +346,14 @@ hmf_status QuadOptimizer::shape(int sweeps) {
     return HMF_OK;
 }
 
-// As the optimizer sees it, or as it is counted (quad_figures.hpp).
+// As it is counted (quad_figures.hpp), but only a quad that looks against the surface at one of its corners is compared
+// with all of it.
 bool QuadOptimizer::is_folded(size_t q) const {
     const Around quad(quads_, static_cast<uint32_t>(q), quads_.quads[4 * q]);
-    const Point n = normal_of(quad.corner);
-    for (size_t k = 0; k < 4; ++k) {
-        const Point e = quad.p[(k + 1) % 4] - quad.p[k], b = quad.p[(k + 3) % 4] - quad.p[k];
-        if (!flat_[quad.corner[k]] && !(dot(cross(e, b), n) > 0)) return true;
-    }
-    return !flat_[quad.corner[0]] && !flat_[quad.corner[1]] && !flat_[quad.corner[2]] && !flat_[quad.corner[3]]
-        && !(worst_corner_from_outside(surface_, quads_, q) > 0);
+    const Point n = quad.diagonals();
+    bool agrees = true;
+    for (const uint32_t v : quad.corner) agrees = agrees && dot(normal_[v], n) > 0;
+    return !((agrees ? worst_corner(quads_, q) : worst_corner_from_outside(surface_, quads_, q)) > 0);
 }
 
 Done QuadOptimizer::count_folded(size_t& count) {
@@ -380,7 +373,7 @@ double QuadOptimizer::least_area() const {
         const Point n = normal_of(quad.corner);
         for (size_t k = 0; k < 4; ++k) {
             const Point e = quad.p[(k + 1) % 4] - quad.p[k], b = quad.p[(k + 3) % 4] - quad.p[k];
-            if (!flat_[quad.corner[k]]) least = std::min(least, dot(cross(e, b), n) / target_[q]);
+            least = std::min(least, dot(cross(e, b), n) / target_[q]);
         }
     }
     return least;
@@ -419,14 +412,14 @@ hmf_status QuadOptimizer::untangle_round(int round) {
     region_.clear();
     if (round > 0 && !mark_region(RINGS << (round - 1), round > 1)) return call_.stopped();
     for (uint8_t& a : awake_) a = 1;
-    for (int k = 0; k < SWEEPS; ++k) {
+    double moved = 1;
+    for (int k = 0; k < SWEEPS && moved > 0; ++k) {
         const double least = std::min(least_area(), 0.0);
-        size_t folded = 1;
-        if (!(least < 0) && !count_folded(folded)) return call_.was_cancelled();
-        if (folded == 0) break;
+        size_t folded = 0;
+        if (round > 0 && !count_folded(folded)) return call_.was_cancelled();
+        if (round > 0 ? folded == 0 : !(least < 0)) break;
         if (round == 0) eps_ = std::sqrt(EPS * EPS + SOFT * SOFT * least * least);
         else eps_ = k == 0 ? 1 : std::max(EPS, HARDER * eps_);
-        double moved = 0;
         for (uint8_t& a : awake_) a = 1;
         if (!sweep(k % 2 == 0, moved)) return call_.was_cancelled();
     }
@@ -437,14 +430,14 @@ hmf_status QuadOptimizer::untangle(int first_round) {
     growth_ = sag_ = 0;
     barrier_ = false;
     if (!set_targets()) return call_.stopped();
-    size_t least = 0, now = 0;
-    if (!count_folded(least)) return call_.was_cancelled();
+    uint64_t least = 0, now = 0;
+    if (!count_inverted(surface_, quads_, least, call_)) return call_.was_cancelled();
     QuadMesh best;
-    for (int k = 0; k < OPTIMIZE_ROUNDS && least > 0; ++k) {
-        const int round = (first_round + k) % OPTIMIZE_ROUNDS;
+    for (int k = 0; k < UNTANGLE_ROUNDS && least > 0; ++k) {
+        const int round = (first_round + k) % UNTANGLE_ROUNDS;
         if (!best.copy(quads_, call_.memory)) return call_.out_of_memory();
         if (untangle_round(round)) return call_.status();
-        if (!count_folded(now)) return call_.was_cancelled();
+        if (!count_inverted(surface_, quads_, now, call_)) return call_.was_cancelled();
         if (now > least) {
             std::swap(quads_, best);
             look_again();

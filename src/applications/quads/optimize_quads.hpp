@@ -62,7 +62,6 @@ private:
     Array<Point> normal_;            // of the surface, at each vertex
     Array<double> target_, weight_;  // of each quad: area wished, weight of its growth
     Array<uint32_t> ahead_, behind_; // vertices of the boundary: neighbors on it; NONE
-    Array<uint8_t> flat_;            // per vertex: its only corner lies on a straight boundary
     Array<uint8_t> awake_;           // per vertex: it, or what is near it, has moved since its last step
     Array<uint8_t> region_;          // per vertex: may move; empty: all may
     Array<double> before_, after_;   // areas of corners around one vertex

@@ -1,8 +1,6 @@
 // The numbers that were chosen, not derived.  Lengths are in sides of quads, areas in quads, sines those of corners.
 #pragma once
 
-#include <cstddef>
-
 namespace hmf {
 
 // The energy of a corner (corner_energy.hpp) and of a quad (optimize_quads.cpp).
@@ -14,24 +12,22 @@ constexpr double EPS = 1e-3;               // of the barrier: an area
 constexpr int EVEN = 20;                   // rounds in which the areas wished are evened out
 
 // Steps of the optimizer.
-constexpr double LONGEST_STEP = 0.5;           // of a vertex in one sweep
-constexpr double STILL = 4e-3;                 // a shorter one is none
-constexpr double STEPS[] = {1.6, 1, 0.4, 0.1}; // parts of a step of Newton's method, longest first
-constexpr int OPTIMIZE_ROUNDS = 4;             // to untangle
-constexpr int SWEEPS = 50;                     // in each of them
-constexpr int RINGS = 4;                       // around folded quads, twice as many in each further round
-constexpr double SOFT = 0.2;                   // eps, in the area of the worst corner, while all vertices move
-constexpr double HARDER = 0.8;                 // eps, in that of the sweep before, in the other rounds
+constexpr double LONGEST_STEP = 0.5;   // of a vertex in one sweep
+constexpr double STILL = 4e-3;         // a shorter one is none
+constexpr double STEPS[] = {1.6, 0.4}; // parts of a step of Newton's method, longest first
+constexpr int UNTANGLE_ROUNDS = 4;
+constexpr int SWEEPS = 25;     // in each of them
+constexpr int RINGS = 4;       // around folded quads, twice as many in each further round
+constexpr double SOFT = 0.2;   // eps, in the area of the worst corner, while all vertices move
+constexpr double HARDER = 0.6; // eps, in that of the sweep before, in the other rounds
 
 // Tips, sharp edges and corners.
 constexpr double SHARP = 0.766; // cosine of 40 degrees, between the faces of an edge
 constexpr double ALONG = 0.85;  // cosine of 32 degrees, between a sharp edge and a side that runs along it
 constexpr double TAKEN_FROM =
-    0.5;                      // how far from a sharp edge a vertex goes to it, and from how far on tips are reached
-constexpr double LONGEST = 2; // side around a vertex that goes to a tip, in the longest before
-constexpr double LEAST_TAKEN = 0.3;   // sine around a vertex that goes to one of them, and that stays at a tip
-constexpr double LEAST_SLIDING = 0.5; // sine around a vertex that stays on a sharp edge, or on the way to a tip
-constexpr int ROUNDS = 5;             // of reaching for them
+    0.5; // how far from a sharp edge a vertex goes to it, and from how far on tips are reached
+constexpr double LEAST_TAKEN = 0.3; // sine around a vertex that goes to one of them, and that stays at a tip
+constexpr int ROUNDS = 5;           // of reaching for them
 
 // Corners of the boundary (boundary_places.cpp).
 constexpr double TURNS = 0.707; // cosine of 45 degrees, by which the boundary turns at a corner
@@ -43,7 +39,6 @@ constexpr double OTHER = 0.5;   // cost, in squared sides, of a quad too many or
 constexpr double LEEWAY = 0.02;        // in diagonals: on a sheet thinner than this a quad may lie on either side
 constexpr double MOST_INVERTED = 0.05; // of the quads
 constexpr double LEAST_AREA = 0.75;    // of the quads in that of the surface, or the other way around
-constexpr size_t FEW = 100;            // quads, which are larger than what they should follow as a rule
-constexpr int MOST_DOUBLINGS = 3;      // of the number of quads, where they are refused
+constexpr double MOST_TIMES = 8;       // as many quads as the fewest possible, where more are tried
 
 } // namespace hmf

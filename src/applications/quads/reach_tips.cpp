@@ -110,26 +110,14 @@ private:
         return best;
     }
 
-    // The worst corner if v went there; 0 if a side got far too long.
+    // The worst corner if v went there.
     double worst_after(uint32_t v, const Place& to) {
         const Point back = at(quads_, v);
         const uint32_t side = quads_.sides[v];
-        const double most = LONGEST * longest_side(v);
         quads_.put(v, to.p, to.side);
-        const double worst = longest_side(v) > most ? 0 : stars_.worst_corner(surface_, quads_, v);
+        const double worst = stars_.worst_corner(surface_, quads_, v);
         quads_.put(v, back, side);
         return worst;
-    }
-
-    // Of the quads around a vertex.
-    double longest_side(uint32_t v) const {
-        double longest = 0;
-        for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
-            for (size_t k = 0; k < 4; ++k) {
-                const uint32_t* const corner = &quads_.quads[4 * size_t{*q}];
-                longest = std::max(longest, length_of(at(quads_, corner[k]) - at(quads_, corner[(k + 1) % 4])));
-            }
-        return longest;
     }
 
     const Mesh& mesh_;

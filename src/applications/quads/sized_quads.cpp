@@ -23,82 +23,122 @@ hmf_status wished_number(const SizedQuads& wish, double area, double by_default,
                      number, static_cast<double>(MOST_QUADS));
 }
 
-// 1 at the limits.  Features smaller than a quad are followed by smaller ones; what is bad for another reason stays so.
-double badness(const QuadFigures& figures, double area, size_t count) {
-    const double ratio = figures.area / area;
-    return std::max(static_cast<double>(figures.inverted) / (MOST_INVERTED * static_cast<double>(count)),
-                    LEAST_AREA * std::max(ratio, 1 / ratio));
-}
+// Figures with the number of quads and the area of the surface.
+struct Judged {
+    QuadFigures figures;
+    double count = 0, area = 0;
 
-// Quads that are larger than what they should follow, or do not reach a part of the surface, are refused.
-bool is_fit(const QuadFigures& figures, double area, size_t count) {
-    return count < FEW || badness(figures, area, count) < 1;
-}
+    double inverted() const { return static_cast<double>(figures.inverted) / count; }
+    // 1 at the limits of what is returned: quads that are larger than what they should follow, or do not reach a part
+    // of the surface.
+    double badness() const {
+        const double ratio = figures.area / area;
+        return std::max(inverted() / MOST_INVERTED, LEAST_AREA * std::max(ratio, 1 / ratio));
+    }
+    bool is_better_than(const Judged& other) const {
+        const double mine = std::max(badness(), 1.0), its = std::max(other.badness(), 1.0);
+        return mine != its ? mine < its : inverted() < other.inverted();
+    }
+};
 
-// Takes `fitted` unless it is worse than the quads that it was made of: more of it is inverted, or it covers the
-// surface so badly that it would be refused.
-hmf_status take_better(const Mesh& mesh, const double* position, double area, QuadMesh& fitted, QuadMesh& out,
-                       QuadFigures& figures, Call& call) {
-    if (quad_figures(mesh, position, fitted, figures, call)) return call.status();
-    const double bad = badness(figures, area, out.quad_count());
-    QuadFigures before;
-    before.inverted = UINT64_MAX;
-    if ((figures.inverted > 0 || bad >= 1) && quad_figures(mesh, position, out, before, call)) return call.status();
-    if (figures.inverted > before.inverted || (bad >= 1 && bad > badness(before, area, out.quad_count())))
-        figures = before;
-    else std::swap(out, fitted);
-    return HMF_OK;
-}
+class SizedQuadMaker {
+public:
+    SizedQuadMaker(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
+                   Call& call) :
+        f_(f),
+        position_(position), cylinders_(cylinders), wish_(wish), call_(call) {}
 
-hmf_status make_number(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
-                       const FlatMetric& metric, const FrontSurface* front, double number, QuadMesh& out,
-                       QuadFigures& figures, Call& call) {
-    QuadWish first;
-    first.step = std::sqrt(metric.flat_area * wish.share / number);
-    first.count = wish.count > 0 ? static_cast<int64_t>(std::floor(number + 0.5)) : 0;
-    first.merge = wish.merge;
-    first.keep_poles = wish.keep_poles;
-    if (!(first.step > 0) || !std::isfinite(first.step))
-        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
-    if (make_quads(f, position, cylinders, wish.front, first, out, call)) return call.status();
-    if (front) front->bring_forward(position, out);
-    const Mesh& mesh = front ? front->mesh() : f.mesh;
-    if (!(wish.relax > 0)) return quad_figures(mesh, position, out, figures, call);
-    QuadMesh fitted;
-    if (fit_quads(mesh, position, wish.relax, out, fitted, call)) return call.status();
-    return take_better(mesh, position, metric.area * wish.share, fitted, out, figures, call);
-}
+    hmf_status run(QuadMesh& out, double& area, QuadFigures& figures) {
+        if (wish_.front && !front_.build(f_.mesh, *wish_.reflection, call_.memory)) return call_.out_of_memory();
+        if (flat_metric(f_, position_, cylinders_, metric_, call_)) return call_.status();
+        area = metric_.area * wish_.share;
+        const double by_default = 0.5 * wish_.share * static_cast<double>(f_.mesh.face_count);
+        double number = 0, most = -1;
+        if (wished_number(wish_, area, by_default, number, call_)) return call_.status();
+        Judged best;
+        if (make(number, out, best)) return call_.status();
+        while (wish_.relax > 0 && (best.figures.inverted > 0 || best.badness() >= 1)) {
+            if (most < 0 && find_most(most)) return call_.status();
+            number = 2 * best.count;
+            if (number > most) break;
+            QuadMesh more;
+            Judged judged;
+            if (make(number, more, judged)) return call_.status();
+            if (!judged.is_better_than(best)) break;
+            std::swap(out, more);
+            best = judged;
+        }
+        figures = best.figures;
+        return wish_.relax > 0 && best.badness() >= 1 ? refuse(best) : HMF_OK;
+    }
 
-hmf_status refuse(const QuadFigures& figures, double area, size_t count, Call& call) {
-    return call.fail(HMF_ERROR_QUADS, HMF_ELEMENT_NONE, 0,
-                     "%llu of %llu quads are folded over on the surface, and they have %.2f times its area. Ask for "
-                     "more, smaller quads, or give other loops.",
-                     static_cast<unsigned long long>(figures.inverted), static_cast<unsigned long long>(count),
-                     figures.area / area);
-}
+private:
+    const Mesh& mesh() const { return wish_.front ? front_.mesh() : f_.mesh; }
+
+    hmf_status make_unfitted(double number, QuadMesh& out) {
+        QuadWish first;
+        first.step = std::sqrt(metric_.flat_area * wish_.share / number);
+        first.count = wish_.count > 0 ? static_cast<int64_t>(std::floor(number + 0.5)) : 0;
+        first.merge = wish_.merge;
+        first.keep_poles = wish_.keep_poles;
+        if (!(first.step > 0) || !std::isfinite(first.step))
+            return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                              "edge_length is out of proportion to the surface.");
+        if (make_quads(f_, position_, cylinders_, wish_.front, first, out, call_)) return call_.status();
+        if (wish_.front) front_.bring_forward(position_, out);
+        return HMF_OK;
+    }
+
+    // The number of quads up to which more are tried: rounding stretches those of a number near the least possible one.
+    hmf_status find_most(double& most) {
+        QuadMesh fewest;
+        if (make_unfitted(1, fewest)) return call_.status();
+        most = std::min(MOST_TIMES * static_cast<double>(fewest.quad_count()), static_cast<double>(MOST_QUADS));
+        return HMF_OK;
+    }
+
+    // Fitted quads, unless they are worse than the quads that they were made of.
+    hmf_status make(double number, QuadMesh& out, Judged& judged) {
+        if (make_unfitted(number, out)) return call_.status();
+        QuadMesh fitted;
+        Judged after;
+        judged.area = after.area = metric_.area * wish_.share;
+        judged.count = after.count = static_cast<double>(out.quad_count());
+        if (!(wish_.relax > 0)) return quad_figures(mesh(), position_, out, judged.figures, call_);
+        if (fit_quads(mesh(), position_, wish_.relax, out, fitted, call_)
+            || quad_figures(mesh(), position_, fitted, after.figures, call_))
+            return call_.status();
+        if (after.figures.inverted > 0 || after.badness() >= 1) {
+            if (quad_figures(mesh(), position_, out, judged.figures, call_)) return call_.status();
+            if (judged.is_better_than(after)) return HMF_OK;
+        }
+        std::swap(out, fitted);
+        judged = after;
+        return HMF_OK;
+    }
+
+    hmf_status refuse(const Judged& judged) {
+        return call_.fail(HMF_ERROR_QUADS, HMF_ELEMENT_NONE, 0,
+                          "%llu of %.0f quads are folded over on the surface, and they have %.2f times its area. Ask "
+                          "for more, smaller quads, or give other loops.",
+                          static_cast<unsigned long long>(judged.figures.inverted), judged.count,
+                          judged.figures.area / judged.area);
+    }
+
+    Foliation& f_;
+    const double* position_;
+    const Cylinders& cylinders_;
+    const SizedQuads& wish_;
+    Call& call_;
+    FrontSurface front_; // of a double
+    FlatMetric metric_;
+};
 
 } // namespace
 
 hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
                             QuadMesh& out, double& area, QuadFigures& figures, Call& call) {
-    FlatMetric metric;
-    FrontSurface surface;
-    const FrontSurface* const front = wish.front ? &surface : nullptr;
-    if (front && !surface.build(f.mesh, *wish.reflection, call.memory)) return call.out_of_memory();
-    if (flat_metric(f, position, cylinders, metric, call)) return call.status();
-    area = metric.area * wish.share;
-    const double by_default = 0.5 * wish.share * static_cast<double>(f.mesh.face_count);
-    double number = 0;
-    if (wished_number(wish, area, by_default, number, call)) return call.status();
-    double before = HUGE_VAL; // how bad the last quads were
-    for (int doublings = 0;; ++doublings, number *= 2) {
-        if (make_number(f, position, cylinders, wish, metric, front, number, out, figures, call)) return call.status();
-        if (!(wish.relax > 0) || is_fit(figures, area, out.quad_count())) return HMF_OK;
-        const double bad = badness(figures, area, out.quad_count());
-        if (doublings == MOST_DOUBLINGS || 2 * number > static_cast<double>(MOST_QUADS) || !(bad < before))
-            return refuse(figures, area, out.quad_count(), call);
-        before = bad;
-    }
+    return SizedQuadMaker(f, position, cylinders, wish, call).run(out, area, figures);
 }
 
 } // namespace hmf

@@ -16,13 +16,6 @@ namespace hmf {
 
 namespace {
 
-constexpr double SAME_PLACE = 1e-9; // of two squared distances: alike but for rounding
-
-// Of two at the same distance up to rounding, the one with the smaller number.
-bool is_nearer(double d, uint32_t i, double best, uint32_t found) {
-    return found == NONE || d < (1 - SAME_PLACE) * best || (i < found && d <= (1 + SAME_PLACE) * best);
-}
-
 class Snap {
 public:
     Snap(const Mesh& mesh, const double* position, const SurfaceSearch& surface, QuadMesh& quads, Call& call) :
@@ -76,11 +69,11 @@ private:
         double best = reach * reach;
         tree.search(at(quads_, v), best, [&](size_t i) {
             const double d = square_of(at(quads_, v) - place(i));
-            if (d <= reach * reach && is_nearer(d, static_cast<uint32_t>(i), best, found)) {
+            if (d < best) {
                 best = d;
                 found = static_cast<uint32_t>(i);
             }
-            return (1 + SAME_PLACE) * best;
+            return best;
         });
         return found;
     }
