@@ -17,7 +17,7 @@ constexpr int PERIOD_BITS = 42;
 constexpr double TOLERANCE = 2e-10; // of the divergence, see TwistedLaplacian
 constexpr double LARGEST_RESIDUAL = 1e-8;
 
-double in_periods(int64_t value) { return std::ldexp(static_cast<double>(value), -PERIOD_BITS); }
+double in_periods(int64_t value) { return static_cast<double>(value) * (1.0 / (int64_t{1} << PERIOD_BITS)); }
 
 // The two half-edges whose values add up to that of 2 * edge before a flip.
 struct Unflip {
@@ -87,7 +87,7 @@ private:
             || !classes_.intersections(form_.value.data(), integral_.data(), call_.memory))
             return call_.out_of_memory();
         for (uint32_t j = 0; j < n; ++j) {
-            inner_products[j] = std::ldexp(inner_products[j], -PERIOD_BITS);
+            inner_products[j] *= in_periods(1);
             const int32_t wanted = i + n / 2 == j ? 1 : j + n / 2 == i ? -1 : 0;
             if (static_cast<int64_t>(integral_[j]) != wanted * (int64_t{1} << PERIOD_BITS))
                 return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
@@ -114,7 +114,7 @@ private:
     Sum divergence(uint32_t v) const {
         double sum = 0, size = 0;
         for (const uint32_t h : charts_.stars.of(v)) {
-            const double flux = weight_[edge_of(h)] * in_periods(form_.at(bundle_, h));
+            const double flux = weight_[edge_of(h)] * static_cast<double>(form_.at(bundle_, h));
             sum += flux;
             size += std::fabs(flux);
         }
