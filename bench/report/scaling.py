@@ -136,8 +136,9 @@ def write(document, rows):
         document.goal(not grown or max(grown) <= 1.15, f"Time grows as edges to the power {max(grown, default=1):.2f} "
                       "at most (goal: 1.15).")
     unsolved = [line["mesh"] for line in table if line["status"]] + [row["mesh"] for row in of(rows, "failure")]
-    document.goal(not unsolved, "Not solved while scaling: " + ", ".join(unsolved) + "." if unsolved
-                  else "All meshes of the scaling tables are solved.")
+    if table or unsolved:
+        document.goal(not unsolved, "Not solved while scaling: " + ", ".join(unsolved) + "." if unsolved
+                      else "All meshes of the scaling tables are solved.")
     threads = median_rows([row for row in jobs if row["experiment"] == "threads"])
     lines = []
     for mesh in dict.fromkeys(line["mesh"] for line in threads):
