@@ -7,11 +7,16 @@ failed=0
 for script in bench/*.sh; do
     if bash -n "$script"; then echo "ok $script"; else echo "not ok $script" && failed=1; fi
 done
-for script in bench/*.py bench/report/*.py; do
-    if python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read(), sys.argv[1])' "$script"; then
-        echo "ok $script"
-    else
-        echo "not ok $script" && failed=1
-    fi
-done
+python3 - bench/*.py bench/report/*.py <<'END' || failed=1
+import ast, sys
+failed = 0
+for script in sys.argv[1:]:
+    try:
+        ast.parse(open(script).read(), script)
+        print("ok", script)
+    except SyntaxError as error:
+        print("not ok", script, error)
+        failed = 1
+sys.exit(failed)
+END
 exit $failed
