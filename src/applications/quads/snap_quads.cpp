@@ -60,24 +60,7 @@ private:
     bool can_snap(uint32_t v) const { return !quads_.held[v] || quads_.held[v] == ON_CREASE; }
     Point on_edge(size_t i, uint32_t v) const { return nearest_on_edge(mesh_, position_, edges_[i], at(quads_, v)); }
 
-    // The thing of a tree that is nearest to a vertex, within reach; NONE: there is none.  place(i): of it the nearest
-    // point.
-    template <class Place>
-    uint32_t nearest(const BoxTree& tree, uint32_t v, const Place& place) const {
-        const double reach = TAKEN_FROM * length_[v];
-        uint32_t found = NONE;
-        double best = reach * reach;
-        tree.search(at(quads_, v), best, [&](size_t i) {
-            const double d = square_of(at(quads_, v) - place(i));
-            if (d < best) {
-                best = d;
-                found = static_cast<uint32_t>(i);
-            }
-            return best;
-        });
-        return found;
-    }
-
+    // The sharp edge that is nearest to each vertex, within reach.
     Done find_nearest() {
         BoxTree tree;
         const uint32_t n = quads_.vertex_count();
@@ -86,7 +69,16 @@ private:
             return false;
         for (uint32_t v = 0; v < n; ++v) {
             if (v % 1024 == 0 && !call_.tick(0)) return false;
-            if (can_snap(v)) edge_[v] = nearest(tree, v, [&](size_t i) { return on_edge(i, v); });
+            if (!can_snap(v)) continue;
+            double best = TAKEN_FROM * TAKEN_FROM * length_[v] * length_[v];
+            tree.search(at(quads_, v), best, [&](size_t i) {
+                const double d = square_of(at(quads_, v) - on_edge(i, v));
+                if (d < best) {
+                    best = d;
+                    edge_[v] = static_cast<uint32_t>(i);
+                }
+                return best;
+            });
         }
         return true;
     }
