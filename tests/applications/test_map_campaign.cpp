@@ -140,4 +140,12 @@ TEST(MapCampaign, OtherCorners) {
     EXPECT_EQ(tally.maps, 1u);
 }
 
+// With the nearest corners the energy is within its bounds, and a circumference 47 times too large.
+TEST(MapCampaign, Circumferences) {
+    Tally tally;
+    Random random(85);
+    run(marked(random), false, tally);
+    EXPECT_EQ(tally.maps + tally.refused, 1u);
+}
+
 } // namespace test_map_campaign
