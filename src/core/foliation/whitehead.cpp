@@ -109,7 +109,7 @@ namespace {
 // Walks counter-clockwise around the boundary of the cluster of v, from the
 // half-edge `start` of v whose successor is a zero edge, until the walk comes
 // back to v.  Returns the half-edge of v where it arrives; NONE if it meets a
-// closed corner first or takes more than `budget` steps (then decided = false).
+// closed corner or a marked vertex first or takes more than `budget` steps (then decided = false).
 uint32_t walk_to_next_visit(Foliation& f, uint32_t start, uint32_t budget, bool& decided) {
     const Mesh& mesh = f.mesh;
     const uint32_t v = mesh.origin[start];
@@ -122,6 +122,7 @@ uint32_t walk_to_next_visit(Foliation& f, uint32_t start, uint32_t budget, bool&
         } else {
             g = twin(mesh.next[g]); // same neighbor, seen from the other end of the zero edge
             if (mesh.origin[g] == v) return g;
+            if (mesh.is_marked(mesh.origin[g])) return NONE;
             if (!f.may_look(mesh.origin[g], 0)) return NONE;
         }
     }
