@@ -19,7 +19,6 @@ constexpr double SAME = 1e-4;                                           // short
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t LENGTH_ROUNDS = 100;
 constexpr double OTHER_CLASS = 0.01;              // relative: another strip, or another length where it was found
-constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
 } // namespace
@@ -43,8 +42,6 @@ Done ClassLengths::start() {
     classes_.start(memory);
     crossings_.start(memory);
     loop_.start(memory);
-    start_.start(memory);
-    curves_.start(memory);
     name_.start(memory);
     letters_.start(memory);
     measure_extent();
@@ -88,13 +85,11 @@ Done ClassLengths::find_class(const uint32_t* crossings, size_t n, uint32_t& id,
 }
 
 Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
-                        size_t n, bool widely, Class& c) {
+                        size_t n, Class& c) {
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
-    if (!(widely ? geodesic.straighten_widely(loop_, LENGTH_ROUNDS, c.length)
-                 : geodesic.straighten(loop_, LENGTH_ROUNDS, c.length)))
-        return false;
+    if (!geodesic.straighten(loop_, LENGTH_ROUNDS, c.length)) return false;
     // Mean place of the curve.
     const Array<double>& shares = geodesic.shares();
     const auto crossing = [&](size_t i, double* to) {
@@ -169,8 +164,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     Class made{};
     made.starts = 1;
     made.stage = stage_where_found();
-    if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
-    Curve curve{};
+    if (!pull(geodesic_, mesh_, position_, crossings, n, made)) return false;
     if (id != NONE) {
         Class& c = classes_[id];
         if (c.starts < UINT8_MAX) ++c.starts;
@@ -179,86 +173,37 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
             c.stage = made.stage;
             c.length = HUGE_VAL;
             c.wanted = true;
-            c.wide = false;
-            c.last = NONE;
         }
-        if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
-        if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
-        curve.before = c.last;
-        c.last = static_cast<uint32_t>(curves_.size());
+        if (c.stage != made.stage || made.length >= c.length * (1 - SAME)) return true;
         c.found = std::min(c.found, made.length);
-        if (made.length < c.length * (1 - SAME)) {
-            c.first = curve.first;
-            c.end = curve.end;
-            c.length = made.length;
-            c.doubt = made.doubt;
-        }
-        return curves_.push(curve) && (!c.wide || look_beside(c));
+        c.length = made.length;
+        c.doubt = made.doubt;
+        return keep_curve(crossings, n, c);
     }
     id = static_cast<uint32_t>(classes_.size());
-    if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
-    curve.before = NONE;
+    if (!keep_curve(crossings, n, made)) return false;
     made.found = made.length;
     made.strip = strip;
-    made.first = curve.first;
-    made.end = curve.end;
-    made.last = static_cast<uint32_t>(curves_.size());
     made.hash = name_hash_;
     made.name = letters_.size();
     made.name_end = made.name + name_.size();
     for (const uint32_t letter : name_)
         if (!letters_.push(letter)) return false;
-    if (!curves_.push(curve) || !classes_.push(made)) return false;
+    if (!classes_.push(made)) return false;
     table_[place] = id;
     return 2 * classes_.size() < table_.size() || grow_table();
 }
 
 // The strip that was pulled straight, or, if that is not simple, the one that it was.
-Done ClassLengths::keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end) {
+Done ClassLengths::keep_curve(const uint32_t* crossings, size_t n, Class& c) {
     bool simple = false;
     one_.keep_first(0);
     if (!one_.add(loop_) || !disjoint(mesh_, one_, 0, 1, curve_, nullptr, call_, simple)) return false;
-    first = crossings_.size();
+    c.first = crossings_.size();
     for (size_t k = 0; k < (simple ? loop_.size() : n); ++k)
         if (!crossings_.push(simple ? loop_[k] : crossings[k])) return false;
-    end = crossings_.size();
+    c.end = crossings_.size();
     return true;
-}
-
-// From each of its curves, unless it is known on a finer level, where lengths are others.
-Done ClassLengths::look_beside(Class& c) {
-    for (; c.last != NONE && c.stage == stage_where_found(); c.last = curves_[c.last].before) {
-        const Curve curve = curves_[c.last];
-        Array<uint32_t>& from = start_;
-        from.clear();
-        for (uint64_t k = curve.first; k < curve.end; ++k)
-            if (!from.push(crossings_[k])) return false;
-        Class found = c;
-        if (!pull(geodesic_, mesh_, position_, from.data(), from.size(), true, found)) return false;
-        if (found.length >= c.length * (1 - SAME)) continue;
-        if (!keep_curve(from.data(), from.size(), found.first, found.end)) return false;
-        const uint32_t last = c.last;
-        found.found = found.length;
-        c = found;
-        c.last = last;
-    }
-    c.wide = true;
-    return true;
-}
-
-Done ClassLengths::look_beside(const uint32_t* ids, size_t n) {
-    if (care_ == LoopCare::quick || n == 0) return true;
-    for (;;) {
-        size_t best = 0;
-        for (size_t i = 1; i < n; ++i)
-            if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;
-        // The best first: others may be out of reach then.
-        size_t next = best;
-        for (size_t i = 0; i < n && classes_[ids[next]].wide; ++i)
-            if (classes_[ids[i]].length < classes_[ids[best]].length * (1 + BESIDE)) next = i;
-        if (classes_[ids[next]].wide) return true;
-        if (!look_beside(classes_[ids[next]])) return false;
-    }
 }
 
 size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
@@ -337,7 +282,7 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         for (size_t k = 0; k < ids.size(); ++k) {
             Class& c = classes_[ids[k]];
             // Starts from a curve that is the shortest up to small bumps.
-            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), false, c)) return false;
+            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), c)) return false;
             if (last) continue;
             bool simple = false;
             if (!pulled.add(loop_) || !disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_, simple)) return false;

@@ -10,9 +10,8 @@
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
 // that are close even there are measured on the coarsest one that has 100 000, or
 // else on the mesh of the caller.  A surface with bumps has several closed geodesics
-// in a class: on the level where a loop was found, those beside it are tried (closed_geodesic.hpp) if the class may be
-// the shortest candidate. Other strips of the class are pulled as well: the first ones, and later ones that are shorter
-// than all earlier ones.
+// in a class: so other strips of the class are pulled as well, the first ones, and later ones that are shorter than all
+// earlier ones.
 //
 // Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
 // from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
@@ -37,9 +36,6 @@ public:
 
     // The number of a loop's class.
     Done add(const uint32_t* crossings, size_t n, uint32_t& id);
-
-    // Looks on both sides of the curves that may be the shortest of these, for a shorter one of the class.
-    Done look_beside(const uint32_t* ids, size_t n);
 
     // The shortest of these, as far as is known. Classes that may turn out shorter once measured are recorded. n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
@@ -72,12 +68,6 @@ private:
         Stage stage;
         uint8_t starts; // strips that were pulled to it
         bool wanted;
-        bool wide;     // what lies beside it is known
-        uint32_t last; // of its curves in curves_
-    };
-    struct Curve { // one that was found, while what lies beside it is not known
-        uint64_t first, end;
-        uint32_t before;
     };
     Stage stage_where_found() const {
         return found_ == finest_ ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
@@ -87,11 +77,10 @@ private:
     Done measure_stage(Stage stage, bool& changed);
     Done find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place);
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
-              bool widely, Class& c);
+              Class& c);
     double strip_length(const uint32_t* crossings, size_t n);
     Done grow_table();
-    Done keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end);
-    Done look_beside(Class& c);
+    Done keep_curve(const uint32_t* crossings, size_t n, Class& c);
 
     const hmf_hierarchy* hierarchy_;
     const Mesh& mesh_;
@@ -106,8 +95,7 @@ private:
     DualLength dual_length_;
     Array<double> strip_length_; // dual length per edge; below 0: not known yet
     Array<Class> classes_;
-    Array<Curve> curves_;
-    Array<uint32_t> crossings_, loop_, start_, table_;
+    Array<uint32_t> crossings_, loop_, table_;
     Array<uint32_t> visited_; // per face
     Loops one_;               // to see whether it is simple
     Multicurve curve_;

@@ -239,9 +239,6 @@ private:
         }
         any = ids_.size() > first;
         if (!any) return true;
-        if (!lengths_.look_beside(&ids_[first], ids_.size() - first)
-            || !lengths_.look_beside(waits_.data(), waits_.size()))
-            return false;
         for (const uint32_t id : waits_) waiting = std::min(waiting, lengths_.length(id));
         const Choice choice = {first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)};
         any = length(strip_[first + choice.taken]) <= waiting;

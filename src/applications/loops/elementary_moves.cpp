@@ -99,8 +99,7 @@ private:
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         for (size_t k = 0; k < n; ++k)
-            if (!lengths_.add(loops_.loop(k), loops_.length(k), id_[k]) || !lengths_.look_beside(&id_[k], 1))
-                return false;
+            if (!lengths_.add(loops_.loop(k), loops_.length(k), id_[k])) return false;
         bool changed = true;
         for (int time = 0; changed && time < 2; ++time) {
             for (const uint32_t id : id_) lengths_.want(id);
@@ -212,10 +211,7 @@ private:
             return false;
         own_[k] = {0, 0};
         double best = strip_length(k) * (1 - MOVE_LITTLE);
-        ids_.start(memory_);
-        if (!ids_.push(id_[k])) return false;
         for (const Option& o : options_) {
-            if (!ids_.push(o.id)) return false;
             const uint32_t* const strip = strips_.data() + o.strip.first;
             if (o.id != id_[k] || !(strip_length(strip, o.strip.size) < best)) continue;
             best = strip_length(strip, o.strip.size);
@@ -223,7 +219,6 @@ private:
             for (size_t i = 0; i < o.strip.size; ++i)
                 if (!own_strips_.push(strip[i])) return false;
         }
-        if (!lengths_.look_beside(ids_.data(), ids_.size())) return false;
         for (const Option& o : options_) {
             if (o.id == id_[k] || !lengths_.may_be_shorter(&o.id, &id_[k], 1)) continue;
             if (!moves_.push({1, {k, NONE}, {o.id, NONE}, {o.strip, {0, 0}}, 0})) return false;
@@ -277,7 +272,6 @@ private:
             if (id == old[0] || id == old[1]) return true; // one curve alone
         const double most = (lengths_.length(old[0]) + lengths_.length(old[1])) * (1 + MARGIN);
         if (a.id == b.id || lengths_.length(a.id) + lengths_.length(b.id) > most) return true;
-        if (!lengths_.look_beside(&a.id, 1) || !lengths_.look_beside(&b.id, 1)) return false;
         return !lengths_.may_be_shorter(ids, old, 2)
             || moves_.push({2, {pair[0], pair[1]}, {a.id, b.id}, {a.strip, b.strip}, 0});
     }
@@ -462,7 +456,7 @@ private:
     Array<Cycle> found_, cycles_, second_;
     Array<HoleJoins::Join> join_;
     Array<Option> options_;
-    Array<uint32_t> links_, strips_, cycle_, ids_;
+    Array<uint32_t> links_, strips_, cycle_;
     Array<Move> moves_;
     Array<Strip> own_; // per curve: in own_strips_, a shorter one of its class, or none
     Array<uint32_t> own_strips_;

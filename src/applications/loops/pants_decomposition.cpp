@@ -258,7 +258,6 @@ private:
             if (!offer(first, strip, added)) return false;
             while (!added && strips_.size() > begin) strips_.pop();
         }
-        if (!lengths_.look_beside(&ids_[first], ids_.size() - first)) return false;
         const size_t best = is_quick ? 0 : lengths_.shortest(&ids_[first], ids_.size() - first);
         return choice_.push({first, ids_.size(), best});
     }
