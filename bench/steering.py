@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the numbers of src/core/solve/steering.hpp are worth.
+"""What the numbers of src/core/solve/parameters.hpp are worth.
 
     bench/steering.py [--only NAME] BUILD MESH.obj ...
 
@@ -11,6 +11,7 @@ the smallest), as ratios.  The table is bench/steering.md.
 import argparse
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -24,11 +25,11 @@ PROGRAM = r"""
 #include <cstdlib>
 #include <cstring>
 #include <vector>
-#include "steering.hpp"
+#include "src/core/solve/parameters.hpp"
 
 namespace {
 struct Number { const char* name; double* real; uint32_t* whole; size_t* size; };
-using namespace hmf::steering;
+using namespace hmf::parameters;
 Number numbers[] = {
 #include "steering_table.inc"
 };
@@ -135,26 +136,26 @@ def main():
     parser.add_argument("build")
     parser.add_argument("mesh", nargs="+")
     options = parser.parse_args()
-    header = (ROOT / "src/core/solve/steering.hpp").read_text()
+    header = (ROOT / "src/core/solve/parameters.hpp").read_text()
     fields = {"double": "real", "uint32_t": "whole", "size_t": "size"}
     table = []
     for kind, names in re.findall(r"^constexpr (\w+) (.*?);", header, re.M):
         for name in re.findall(r"(\w+) =", names):
-            places = [f"&{name}" if field == fields[kind] else "nullptr" for field in fields.values()]
+            places = [f"&{name}" if field == fields[kind.replace("uint64_t", "size_t")] else "nullptr"
+                      for field in fields.values()]
             table.append(f'{{"{name}", {", ".join(places)}}},\n')
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
-        (work / "steering.hpp").write_text(re.sub(r"^constexpr", "inline", header, flags=re.M))
+        shutil.copytree(ROOT / "src", work / "src")
+        solve = work / "src/core/solve"
+        (solve / "parameters.hpp").write_text(re.sub(r"^constexpr", "inline", header, flags=re.M))
         (work / "steering_table.inc").write_text("".join(table))
-        steered = ["newton.cpp", "cascade.cpp"]
-        for name in steered:
-            source = (ROOT / "src/core/solve" / name).read_text()
-            (work / name).write_text(source.replace('#include "', f'#include "{ROOT}/src/core/solve/').replace(
-                f'"{ROOT}/src/core/solve/steering.hpp"', '"steering.hpp"'))
         (work / "program.cpp").write_text(PROGRAM)
-        flags = ["-std=c++17", "-O3", "-DNDEBUG", "-ffp-contract=off", f"-I{ROOT}/include"]
-        subprocess.check_call(["c++", *flags, "-fno-exceptions", "-fno-rtti", "-c", *steered], cwd=work)
-        subprocess.check_call(["c++", *flags, "program.cpp", "newton.o", "cascade.o",
+        flags = ["-std=c++17", "-O3", "-DNDEBUG", "-ffp-contract=off", f"-I{ROOT}/include", f"-I{work}"]
+        sources = sorted(str(source) for source in solve.glob("*.cpp"))
+        subprocess.check_call(["c++", *flags, "-fno-exceptions", "-fno-rtti", "-c", *sources], cwd=work)
+        objects = [pathlib.Path(source).with_suffix(".o").name for source in sources]
+        subprocess.check_call(["c++", *flags, "program.cpp", *objects,
                                str(pathlib.Path(options.build).resolve() / "libhmf.a"), "-o", "program"], cwd=work)
         sys.exit(subprocess.call([str(work / "program"), options.only, *options.mesh]))
 

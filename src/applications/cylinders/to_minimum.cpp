@@ -6,14 +6,14 @@ hmf_status to_minimum(State& state, double& unit, Call& call) {
     constexpr double largest_excess = 1e-2;
     const double* weight = state.hierarchy->levels[state.level].weight;
     const double before = energy(state.foliation, weight) * unit * unit;
-    Recorder recorder(false, call, unit);
+    SolveLog log(false, call, unit);
     SolveOptions options;
     options.tolerance = DEFAULT_TOLERANCE;
     options.stop_level = state.level;
-    const hmf_status status = run_cascade(state, options, call, recorder);
+    const hmf_status status = run_cascade(state, options, call, log);
     if (call.cancelled()) return call.was_cancelled();
     if (status >= HMF_ERROR_NULL) return status;
-    unit = recorder.unit();
+    unit = log.unit();
     const double excess = before / (energy(state.foliation, weight) * unit * unit) - 1;
     if (excess > largest_excess)
         return call.fail(HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ELEMENT_NONE, 0,

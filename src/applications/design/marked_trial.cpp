@@ -162,19 +162,19 @@ hmf_status MarkedTrial::solve() {
     state_.load(coarsest, Triangulation::input);
     initial_foliation(state_.foliation.mesh, loops_, integer_weights_.data(), state_.foliation.value);
     if (coarsest == 0 && !state_.to_intrinsic(call_)) return failed(call_);
-    Recorder recorder(false, call_, 1);
+    SolveLog log(false, call_, 1);
     SolveOptions options;
     options.tolerance = 1e-4;
-    const hmf_status status = run_cascade(state_, options, call_, recorder);
+    const hmf_status status = run_cascade(state_, options, call_, log);
     if (call_.cancelled() || outer_.cancelled() || status >= HMF_ERROR_NULL) return failed(call_);
-    factor_ = 1 / recorder.unit();
+    factor_ = 1 / log.unit();
     const Mesh& mesh = state_.foliation.mesh;
     const size_t bytes = mesh.edge_count * sizeof(int64_t);
     std::memcpy(solved_.data(), state_.foliation.value, bytes);
     if (!state_.to_input(call_)) return failed(call_);
     std::memcpy(input_values_.data(), state_.foliation.value, bytes);
     if (!scale_.measure(h_.input, h_.levels[0].position, input_values_.data(),
-                        recorder.unit() / static_cast<double>(LARGEST), call_.memory))
+                        log.unit() / static_cast<double>(LARGEST), call_.memory))
         return failed(call_);
     return HMF_OK;
 }

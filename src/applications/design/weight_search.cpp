@@ -86,14 +86,14 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
     initial_foliation(state_.foliation.mesh, loops.loops, integers_.data(), state_.foliation.value);
     const size_t coarsest = h_.level_count - 1;
     if (!state_.go_to(coarsest, inner) || (coarsest == 0 && !state_.to_intrinsic(inner))) return failed();
-    Recorder recorder(false, inner, 1);
+    SolveLog log(false, inner, 1);
     SolveOptions options;
     options.tolerance = tolerance_;
     options.stop_level = level_;
-    const hmf_status status = run_cascade(state_, options, inner, recorder);
+    const hmf_status status = run_cascade(state_, options, inner, log);
     if (inner.cancelled() || status >= HMF_ERROR_NULL) return failed();
     if (level_ == 0 && !state_.to_input(inner)) return failed();
-    unit_ = recorder.unit();
+    unit_ = log.unit();
     if (!scale_.measure(state_.foliation.mesh, h_.levels[level_].position, state_.foliation.value,
                         unit_ * largest / static_cast<double>(WEIGHT_LARGEST), call_.memory))
         return call_.out_of_memory();

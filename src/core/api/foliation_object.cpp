@@ -1,6 +1,6 @@
 #include "foliation_object.hpp"
 
-#include "../foliation/coarser_unit.hpp"
+#include "../extreme/coarser_unit.hpp"
 #include "read_values.hpp"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ hmf_status coarsen_unit(State& state, uint32_t bits, Call& call) {
     return HMF_OK;
 }
 
-hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out) {
+hmf_status make_foliation(const State& state, const FoliationData& data, Call& call, hmf_foliation** out) {
     constexpr int64_t largest_exact = int64_t{1} << 53;
     const hmf_hierarchy& h = *state.hierarchy;
     const Foliation& f = state.foliation;
@@ -84,17 +84,17 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
-    hmf_foliation made{&h,      state.level,  making.unit, n, nullptr, nullptr, making.solved_bits,
-                       nullptr, making.poles, 0,           0, {},      {}};
+    hmf_foliation made{&h,      state.level, data.unit, n, nullptr, nullptr, data.solved_bits,
+                       nullptr, data.poles,  0,         0, {},      {}};
     ResultBlock block;
     block.room(made, made.values, n);
-    if (making.solved) block.array(made, made.solved, n, making.solved);
-    if (making.fraction) block.array(made, made.fraction, f.mesh.vertex_count, making.fraction);
-    if (const Recorder* recorder = making.recorder) {
+    if (data.solved) block.array(made, made.solved, n, data.solved);
+    if (data.fraction) block.array(made, made.fraction, f.mesh.vertex_count, data.fraction);
+    if (const SolveLog* log = data.log) {
         made.has_report = 1;
-        made.report = recorder->report;
-        block.array(made, made.report.levels, recorder->levels.size(), recorder->levels.data());
-        block.array(made, made.report.history, recorder->history.size(), recorder->history.data());
+        made.report = log->report;
+        block.array(made, made.report.levels, log->levels.size(), log->levels.data());
+        block.array(made, made.report.history, log->history.size(), log->history.data());
     }
     const uint64_t before = call.memory.used();
     hmf_foliation* object = block.make(made, h, call);
@@ -104,7 +104,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     double* values = fill(object->values);
     call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t e = begin; e < end; ++e)
-            values[e] = static_cast<double>(f.value[internal_edge(h, state.level, e)]) * making.unit;
+            values[e] = static_cast<double>(f.value[internal_edge(h, state.level, e)]) * data.unit;
     });
     h.references.fetch_add(1, std::memory_order_relaxed);
     *out = object;
@@ -123,7 +123,7 @@ hmf_status hmf_foliation_from_values(const hmf_hierarchy* hierarchy, size_t leve
     Call& call = entry.call;
     if (entry.check(hierarchy, out) || check_level(*hierarchy, level, call)) return call.status();
     State state;
-    Making making;
+    FoliationData data;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
     state.load(level, Triangulation::input);
     if (!call.tick(0.1)) return call.was_cancelled();
@@ -135,9 +135,9 @@ hmf_status hmf_foliation_from_values(const hmf_hierarchy* hierarchy, size_t leve
         values = both.data();
         count = both.size();
     }
-    if (read_values(state, values, count, making.unit, making.poles, call)) return call.status();
+    if (read_values(state, values, count, data.unit, data.poles, call)) return call.status();
     if (!call.tick(0.9)) return call.was_cancelled();
-    return make_foliation(state, making, call, out) ? call.status() : entry.end();
+    return make_foliation(state, data, call, out) ? call.status() : entry.end();
 }
 
 void hmf_foliation_destroy(hmf_foliation* foliation) {

@@ -45,18 +45,18 @@ struct hmf_foliation {
 namespace hmf {
 
 // What make_foliation needs beside the values of a state.
-struct Making {
+struct FoliationData {
     double unit = 1; // of the state
     uint64_t poles = 0;
     const int64_t* solved = nullptr; // in a unit that is 2^solved_bits times finer
     uint32_t solved_bits = 0;
-    const double* fraction = nullptr;   // of the vertices of the level, or NULL
-    const Recorder* recorder = nullptr; // NULL: no report
+    const double* fraction = nullptr; // of the vertices of the level, or NULL
+    const SolveLog* log = nullptr;    // NULL: no report
 };
 
 // The values of a state on its level (level 0: the caller's side) as an object.
 // Fails if a value has more bits than a double.
-[[nodiscard]] hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out);
+[[nodiscard]] hmf_status make_foliation(const State& state, const FoliationData& data, Call& call, hmf_foliation** out);
 
 // The foliation is there, and has no poles.
 [[nodiscard]] hmf_status check_foliation(const hmf_foliation* foliation, Call& call);

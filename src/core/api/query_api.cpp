@@ -1,7 +1,7 @@
 // hmf.h: interpolate, energy, residuals, singularities.
 #include "../hierarchy/caller_numbers.hpp"
 #include "../solve/double_reflection.hpp"
-#include "../solve/fraction.hpp"
+#include "../extreme/fraction.hpp"
 #include "foliation_object.hpp"
 #include "result.hpp"
 #include "singularity_list.hpp"
@@ -28,9 +28,9 @@ hmf_status hmf_interpolate(const hmf_foliation* foliation, size_t level, const h
     if (!state.go_to(level, call)) return call.stopped();
     Symmetrized made;
     if (level != foliation->level && make_symmetric(state, call, made)) return call.status();
-    Making making;
-    making.unit = foliation->unit;
-    return make_foliation(state, making, call, out) ? call.status() : entry.end();
+    FoliationData data;
+    data.unit = foliation->unit;
+    return make_foliation(state, data, call, out) ? call.status() : entry.end();
 }
 
 hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control, double* out, hmf_error* error) {

@@ -49,7 +49,7 @@ namespace {
 // on the caller's side of level 0.  loops: those of the foliation, NULL if it was given.
 hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, double unit, const SolveOptions& options,
                       Call& call, hmf_foliation** out) {
-    Recorder recorder(true, call, unit);
+    SolveLog log(true, call, unit);
     if (!state.go_to(start, call) || (start == 0 && !state.to_intrinsic(call)))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0,
                                             "Cancelled by the progress callback before there was a foliation.")
@@ -60,29 +60,29 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
     if (guard.start(state, unit, same_mesh ? &loops->loops : nullptr, loops ? loops->weights : unknown, call))
         return call.status();
     if (options.method == HMF_METHOD_PAPER) state.bad_flip = BadFlip::as_printed;
-    const hmf_status status = solve_in_class(state, options, call, recorder, guard);
+    const hmf_status status = solve_in_class(state, options, call, log, guard);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != options.stop_level)
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback on level %llu, before the asked one was reached.",
                          static_cast<unsigned long long>(state.level));
-    return finish_solve(state, status, options, unit, recorder, call, guard, out);
+    return finish_solve(state, status, options, unit, log, call, guard, out);
 }
 
 // Optimizes the state of a foliation on its level, within its class. If the foliation has a report, guard.result claims
 // no more than that report.
-hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOptions& options, Recorder& recorder,
+hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOptions& options, SolveLog& log,
                           ClassGuard& guard, Call& call) {
     const int32_t known = from.has_report ? from.report.class_state : HMF_CLASS_UNKNOWN;
     hmf_status status = HMF_OK;
     if (options.method == HMF_METHOD_NEWTON) {
         const Array<int64_t> unknown;
-        if (guard.start(state, recorder.unit(), nullptr, unknown, call)) return call.status();
-        status = solve_in_class(state, options, call, recorder, guard);
+        if (guard.start(state, log.unit(), nullptr, unknown, call)) return call.status();
+        status = solve_in_class(state, options, call, log, guard);
         if (!from.has_report || !guard.holds()) return status;
         if (known == HMF_CLASS_UNKNOWN || known == HMF_CLASS_LOST) guard.result.state = ClassState::unknown;
     } else { // moves of single vertices do not leave the class
-        status = run_cascade(state, options, call, recorder);
+        status = run_cascade(state, options, call, log);
         if (known != HMF_CLASS_LOST) guard.result.state = static_cast<ClassState>(known);
     }
     return status;
@@ -136,9 +136,9 @@ hmf_status hmf_foliation_from_loops(const hmf_hierarchy* hierarchy, const hmf_lo
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     Symmetrized made;
     if (make_symmetric(state, call, made)) return call.status();
-    Making making;
-    making.unit = given.unit;
-    return make_foliation(state, making, call, out) ? call.status() : entry.end();
+    FoliationData data;
+    data.unit = given.unit;
+    return make_foliation(state, data, call, out) ? call.status() : entry.end();
 }
 
 hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_solve_options* options,
@@ -173,12 +173,12 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     State state;
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();
-    Recorder recorder(true, call, unit);
+    SolveLog log(true, call, unit);
     solve.stop_level = foliation->level;
     ClassGuard guard;
-    const hmf_status status = relax_in_class(state, *foliation, solve, recorder, guard, call);
+    const hmf_status status = relax_in_class(state, *foliation, solve, log, guard, call);
     if (status >= HMF_ERROR_NULL) return status;
-    return finish_solve(state, status, solve, foliation->unit, recorder, call, guard, out);
+    return finish_solve(state, status, solve, foliation->unit, log, call, guard, out);
 }
 
 } // extern "C"

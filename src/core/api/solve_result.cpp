@@ -1,5 +1,6 @@
 #include "solve_result.hpp"
 
+#include "../extreme/fraction.hpp"
 #include "../solve/double_reflection.hpp"
 
 #include <algorithm>
@@ -52,9 +53,9 @@ hmf_status describe(hmf_status status, size_t level, const hmf_report& report, c
 }
 
 // Energy and residuals of the report, where the method has not left them.
-hmf_status measure_energy(State& state, Recorder& recorder, Call& call) {
+hmf_status measure_energy(State& state, SolveLog& log, Call& call) {
     const Level& level = state.hierarchy->levels[state.level];
-    Certificate certificate = recorder.certificate;
+    Certificate certificate = log.certificate;
     if (!certificate.known) {
         Rings rings;
         Star star;
@@ -66,10 +67,10 @@ hmf_status measure_energy(State& state, Recorder& recorder, Call& call) {
         if (call.cancelled()) certificate.residual_max = certificate.residual_mean = -1; // it is unfinished
     }
     const double share = state.hierarchy->share();
-    recorder.report.energy = certificate.energy * recorder.unit() * recorder.unit() * share;
-    for (hmf_history_entry& entry : recorder.history) entry.energy *= share;
-    recorder.report.residual_max = certificate.residual_max;
-    recorder.report.residual_mean = certificate.residual_mean;
+    log.report.energy = certificate.energy * log.unit() * log.unit() * share;
+    for (hmf_history_entry& entry : log.history) entry.energy *= share;
+    log.report.residual_max = certificate.residual_max;
+    log.report.residual_mean = certificate.residual_mean;
     return HMF_OK;
 }
 
@@ -85,22 +86,24 @@ uint32_t bits_too_many(int64_t largest, uint32_t most) {
 } // namespace
 
 hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& options, double unit_of_heights,
-                        Recorder& recorder, Call& call, const ClassGuard& guard, hmf_foliation** out) {
-    hmf_report& report = recorder.report;
+                        SolveLog& log, Call& call, const ClassGuard& guard, hmf_foliation** out) {
+    if (status == HMF_LIMIT_STALLED) status = correct_below_unit(state, options, guard, call, log);
+    if (status >= HMF_ERROR_NULL) return status;
+    hmf_report& report = log.report;
     report.struct_size = sizeof report;
     report.method = options.method;
-    if (measure_energy(state, recorder, call)) return call.status();
+    if (measure_energy(state, log, call)) return call.status();
     const double enough = options.tolerance > 0 ? options.tolerance : DEFAULT_TOLERANCE;
     report.converged = report.residual_max >= 0 && report.residual_max <= enough;
     report.class_state = static_cast<int32_t>(guard.result.state);
     report.class_repeats = guard.repeats;
     report.class_seconds = guard.seconds;
-    Making making;
+    FoliationData data;
     Array<int64_t> solved;
     const uint32_t n = state.foliation.mesh.edge_count;
     const bool two_sides = state.level == 0 && state.hierarchy->intrinsic_flip_count > 0;
     int spare = 0; // bits that the unit has become finer by, and one
-    std::frexp(unit_of_heights / recorder.unit(), &spare);
+    std::frexp(unit_of_heights / log.unit(), &spare);
     if (two_sides || spare > 1) {
         if (!solved.allocate(call.memory, n)) return call.out_of_memory();
         call.parallel.copy(solved.data(), state.foliation.value, n);
@@ -109,9 +112,9 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     // A call that was cancelled before gives what it has.
     Call* const watched = call.cancelled() ? nullptr : &call;
     if (watched && !call.tick(0, true)) return call.was_cancelled();
-    making.solved_bits = bits_too_many(largest_value(state.foliation, call.parallel), static_cast<uint32_t>(spare - 1));
-    if (two_sides || making.solved_bits > 0) making.solved = solved.data();
-    if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
+    data.solved_bits = bits_too_many(largest_value(state.foliation, call.parallel), static_cast<uint32_t>(spare - 1));
+    if (two_sides || data.solved_bits > 0) data.solved = solved.data();
+    if (data.solved_bits > 0 && coarsen_unit(state, data.solved_bits, call)) return call.status();
     Symmetrized made;
     if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call, made)) return call.status();
     if (watched && !call.tick(0, true)) return call.was_cancelled();
@@ -121,17 +124,17 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "%llu triangles of the result are not closed. Please report it.",
                          static_cast<unsigned long long>(count.broken_triangles));
-    making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
-    report.poles = making.poles = count.poles;
+    data.unit = std::ldexp(log.unit(), static_cast<int>(data.solved_bits));
+    report.poles = data.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;
     report.bad_flips = state.statistics.bad_flips;
     report.bad_flips_left = state.statistics.bad_flips_left;
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
-    making.recorder = &recorder;
-    if (recorder.certificate.known && recorder.certificate.fractional) making.fraction = recorder.fraction.data();
-    if (make_foliation(state, making, call, out)) return call.status();
+    data.log = &log;
+    if (log.certificate.known && log.certificate.fractional) data.fraction = log.fraction.data();
+    if (make_foliation(state, data, call, out)) return call.status();
     if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
     return describe(status, state.level, report, guard, call);
 }

@@ -9,7 +9,7 @@ namespace hmf {
 // From a state that a cascade has left to the foliation of the caller.  status: why it ended.
 // unit_of_heights: a unit that all heights are multiples of.
 [[nodiscard]] hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& options,
-                                      double unit_of_heights, Recorder& recorder, Call& call, const ClassGuard& guard,
+                                      double unit_of_heights, SolveLog& log, Call& call, const ClassGuard& guard,
                                       hmf_foliation** out);
 
 } // namespace hmf

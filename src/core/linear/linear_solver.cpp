@@ -35,7 +35,6 @@ Done LinearSolver::solve(const LinearSystem& system, uint8_t* changed, double ac
     options.row_scale = options.row_tolerance > 0 ? system.row_scale : nullptr;
     while (rung_ != Rung::direct) {
         if (!refresh(system.matrix, changed, call)) return false;
-        options.stop_if_too_slow = !is_own_;
         const LinearResult result =
             multigrid_.solve(system.matrix, system.right, system.x, accuracy,
                              is_own_ ? MOST_ITERATIONS : ITERATIONS_WITH_EARLIER_SETUP, call, options);

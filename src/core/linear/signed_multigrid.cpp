@@ -230,32 +230,6 @@ bool is_zero(const double* x, size_t n, const Parallel& parallel) {
 
 } // namespace
 
-// Does an error that falls as in the last iterations reach its goal within the limit?
-class Pace {
-public:
-    explicit Pace(uint32_t limit) : left_(limit) {}
-    // After each iteration: by which factor the goal is missed.
-    bool is_too_slow(double missing) {
-        const double before = last_[0];
-        for (uint32_t i = 0; i + 1 < SPAN; ++i) last_[i] = last_[i + 1];
-        last_[SPAN - 1] = missing;
-        --left_;
-        if (known_ < SPAN) {
-            ++known_;
-            return false;
-        }
-        const double rate = missing / before;
-        for (uint32_t i = 0; i + SPAN <= left_; i += SPAN) missing *= rate;
-        return missing > TRUST;
-    }
-
-private:
-    static constexpr uint32_t SPAN = 3;
-    static constexpr double TRUST = 30; // the pace gets faster: then the prediction was too large by this much
-    double last_[SPAN] = {};
-    uint32_t known_ = 0, left_;
-};
-
 // A solve on its way.
 struct SignedMultigrid::Search {
     const SignedMatrix& matrix;
@@ -265,7 +239,6 @@ struct SignedMultigrid::Search {
     double reference, goal; // norms
     uint32_t limit;
     LinearResult result;
-    Pace pace;
 
     bool is_small(double norm, double row) const {
         return !(norm > goal) || (options.row_scale && row <= options.row_tolerance);
@@ -273,12 +246,6 @@ struct SignedMultigrid::Search {
     void tell(double norm, double row) {
         result.residual = norm / reference;
         result.row_residual = row;
-    }
-    bool is_too_slow(double norm, double row) {
-        if (!options.stop_if_too_slow || is_small(norm, row)) return false;
-        double missing = norm / goal;
-        if (options.row_scale && row < missing * options.row_tolerance) missing = row / options.row_tolerance;
-        return pace.is_too_slow(missing);
     }
 };
 
@@ -377,10 +344,6 @@ void SignedMultigrid::search_from(Search& s, Call& call) {
             const double alpha = (sums.zr + beta * pr) / pq;
             norms = sweeps.step_forward(static_cast<float>(alpha), static_cast<float>(beta), g, x, v, parallel);
             pr = 0;
-            if (s.is_too_slow(norm(), row())) {
-                ended = true;
-                break;
-            }
         }
         s.tell(norm(), row());
         parallel.for_blocks(n, [=, &sweeps](size_t begin, size_t end) {
@@ -413,9 +376,7 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     // Zero entries of the sweeps meet values that were not yet computed.
     for (uint32_t l = 0; l < level_count_; ++l) std::memset(level_[l].x.data(), 0, level_[l].n * sizeof(float));
     if (level_count_ > 1) std::memset(coarse_room_.data(), 0, coarse_room_.size() * sizeof(double));
-    Search search{matrix,          b,         x,
-                  options,         reference, relative_tolerance * reference,
-                  iteration_limit, result,    Pace(iteration_limit)};
+    Search search{matrix, b, x, options, reference, relative_tolerance * reference, iteration_limit, result};
     search_from(search, call);
     return search.result;
 }

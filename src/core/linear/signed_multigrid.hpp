@@ -31,8 +31,6 @@ struct LinearOptions {
     // and so must they be.
     const uint32_t* fixed = nullptr;
     size_t fixed_count = 0;
-    // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
-    bool stop_if_too_slow = false;
 };
 
 struct LinearResult {

@@ -62,11 +62,10 @@ hmf_status ClassGuard::certify(State& state, double unit_of_values, Call& call) 
     return status;
 }
 
-hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                          ClassGuard& guard) {
+hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, SolveLog& log, ClassGuard& guard) {
     const size_t start = state.level;
     const Triangulation triangulation = state.triangulation;
-    const double unit = recorder.unit();
+    const double unit = log.unit();
     const int64_t largest = state.largest_input_value;
     const TransportStatistics statistics = state.statistics;
     Foliation& f = state.foliation;
@@ -78,9 +77,9 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
         std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
         std::memcpy(out.data(), f.mesh.out, out.size() * sizeof(uint32_t));
     }
-    hmf_status status = run_cascade(state, options, call, recorder, &guard);
+    hmf_status status = run_cascade(state, options, call, log, &guard);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
-    if (const hmf_status looked = guard.certify(state, recorder.unit(), call)) return looked;
+    if (const hmf_status looked = guard.certify(state, log.unit(), call)) return looked;
     if (guard.holds()) return status;
     if (values.empty())
         return status == HMF_OK ? HMF_LIMIT_CLASS : status; // HMF_METHOD_PAPER: flips may leave the class
@@ -91,20 +90,20 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     state.load(start, triangulation);
     std::memcpy(f.mesh.out, out.data(), out.size() * sizeof(uint32_t));
     std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
-    recorder.set_unit(unit);
+    log.set_unit(unit);
     state.largest_input_value = largest;
     state.statistics = statistics;
     if (state.listener && !guard.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
         return call.stopped();
     SolveOptions careful = options;
     careful.guarded = true;
-    recorder.certificate.known = false;
-    if (!recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1))
+    log.certificate.known = false;
+    if (!log.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1))
         return call.out_of_memory();
-    status = run_cascade(state, careful, call, recorder, &guard);
+    status = run_cascade(state, careful, call, log, &guard);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     const ClassCheck lost = guard.lost;
-    if (const hmf_status looked = guard.certify(state, recorder.unit(), call)) return looked;
+    if (const hmf_status looked = guard.certify(state, log.unit(), call)) return looked;
     if (guard.holds()) guard.lost = lost;
     else if (status == HMF_OK) status = HMF_LIMIT_CLASS;
     return status;

@@ -12,7 +12,7 @@
 namespace hmf {
 
 struct SolveOptions;
-class Recorder;
+class SolveLog;
 
 struct ClassGuard {
     ClassCertificate reference;
@@ -24,6 +24,7 @@ struct ClassGuard {
     ClassCheck lost;      // the last one that was refused
     double unit = 1;      // of the reference
     bool started = false;
+    bool checks_steps = false; // each step of the level that is solved
 
     // At the start of a solve, on the coarsest level.  loops: on the mesh of the
     // state, or NULL; weights: theirs, in units of the state, or empty.
@@ -41,7 +42,7 @@ private:
 
 // run_cascade, with the certificate and the guard.  HMF_LIMIT_CLASS: the result is
 // in its class, but the minimum could not be reached within it.
-[[nodiscard]] hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+[[nodiscard]] hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, SolveLog& log,
                                         ClassGuard& guard);
 
 } // namespace hmf

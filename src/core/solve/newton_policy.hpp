@@ -1,57 +1,50 @@
 // The policy of Newton's method on a level: how far to reduce the residual, how accurately to solve for each step, and
-// when the level has stalled. The numbers are those of steering.hpp.
+// when there is no progress. The numbers are those of parameters.hpp.
 #pragma once
 
+#include "parameters.hpp"
 #include "solve.hpp"
-#include "steering.hpp"
 
 namespace hmf {
 
-// Accuracy of the solve for a step.
-struct Effort {
-    double loose;    // relative tolerance of a solve while zeros move
-    double tight;    // and once they hardly move
-    double residual; // residual of [W] Eq. 4 at which any solve may stop; 0: none
-    bool go_on;      // continue to a tight solve if the zeros stay
-    bool close;      // near the minimum: worth the cost of a whole step
+// How accurately the linear system of a step is solved.
+struct SolveTolerance {
+    double loose;    // relative, while zeros move
+    double tight;    // once they stay
+    double residual; // of [W] Eq. 4, at which any solve may stop; 0: none
+    bool goes_on;    // a loose solve that meets no bound is continued to the tight tolerance
+    bool is_close;   // to the minimum: worth the cost of tight solves
+
+    static SolveTolerance exact() { return {parameters::TIGHTEST, parameters::TIGHTEST, 0, true, true}; }
 };
 
-// residual: before the step.  goal: the tolerance on the finest level.
-Effort effort_for(uint32_t round, double residual, double goal, bool finest);
-
-// Detects stalls of a level.
+// Decides what is no progress.
 class StallDetector {
 public:
-    // False: no progress for `patience` rounds.
-    bool goes_on(double residual, double energy, uint32_t patience);
-    void forget_least() { least_residual_ = least_energy_ = NONE; }
+    // Once per round. Progress halves the residual, or lowers the energy by the share `goal`.
+    // passes_bounds: the last step stopped at bounds, where zeros pass one obstacle per round.
+    bool is_stalled(double residual, double energy, double goal, bool passes_bounds);
+    void restart() { *this = {}; }
 
 private:
     static constexpr double NONE = 1e300;
     double least_residual_ = NONE, least_energy_ = NONE;
-    uint32_t without_ = 0;
+    uint32_t without_progress_ = 0; // rounds
 };
 
-// Tests once per level whether convergence is limited by quantization.
-struct UnitRefinement {
-    bool known;
-    uint32_t patience = steering::PATIENCE; // less where the unit cannot be as fine as it should
-
-    bool is_refined(LevelWork& work, double goal, StallDetector& progress);
-};
-
-// The policy of a level: the minimum on the finest, a good start for the next level on the others.
+// The finest level is solved to the minimum; the others only provide a start for the next level.
 struct LevelPolicy {
-    bool finest, coarsest, middle, cheap = false;
-    double goal;
+    bool finest, coarsest, middle;
+    bool is_cheap; // the coarsest, and few of the vertices are on it
+    double goal;   // for the residual
     uint32_t rounds;
     // A torus without marked vertices has no zeros, so one step is exact from any start: the levels in between only
     // separate vertices that splits have left together.
     bool sweep_only;
 
     LevelPolicy(const LevelWork& work, double tolerance);
-    // Its cost matters.
-    bool is_long_coarsest() const { return coarsest && !finest && !cheap; }
+    // residual: before the step.
+    SolveTolerance tolerance(uint32_t round, double residual) const;
 };
 
 } // namespace hmf

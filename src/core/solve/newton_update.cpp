@@ -1,6 +1,6 @@
 #include "newton_update.hpp"
 
-#include "steering.hpp"
+#include "parameters.hpp"
 
 namespace hmf {
 

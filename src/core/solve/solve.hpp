@@ -26,9 +26,8 @@ struct SolveOptions : hmf_solve_options {
     }
     size_t stop() const { return static_cast<size_t>(stop_level); }
 
-    double unchecked = 0; // for tests of the guard: factor of steps that are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
-    bool guarded = false;                     // stops if every step would leave the class; needs a ClassGuard
+    bool guarded = false;                     // each level has to stay in the class; needs a ClassGuard
 };
 
 // Measures of the foliation at the end of a method.
@@ -36,14 +35,14 @@ struct Certificate {
     bool known;
     double energy; // in units
     double residual_max, residual_mean;
-    bool fractional = false; // with Recorder::fraction
+    bool fractional = false; // with SolveLog::fraction
 };
 
 // Collects the report of a solve, its unit, and the measures of the last level.
-class Recorder {
+class SolveLog {
 public:
     // wanted: with rows for levels and events; otherwise only the unit is tracked.
-    Recorder(bool wanted, Call& call, double unit) : report{}, wanted_(wanted), call_(call), unit_(unit) {
+    SolveLog(bool wanted, Call& call, double unit) : report{}, wanted_(wanted), call_(call), unit_(unit) {
         levels.start(call.memory);
         history.start(call.memory);
     }
@@ -65,33 +64,29 @@ private:
     double unit_;
 };
 
-// Outcome of adapting the unit of the values to a residual.
-struct UnitChange {
-    bool changed; // the unit has changed
-    bool enough;  // rounding does not limit the residual
-};
-
 // What a method needs on one level.
 struct LevelWork {
     State& state;
     const Level& level;
     const SolveOptions& options;
     Call& call;
-    Recorder& recorder;
+    SolveLog& log;
     ClassGuard* guard; // or NULL
-    bool gated;        // each step of all vertices has to stay in the class
     Rings rings;
     Star star;
     Sweeps sweeps;
     hmf_level_report statistics{};
     // Room for both.
     Done prepare();
+    // Each step of all vertices needs a certificate.
+    bool checks_class() const { return guard && guard->checks_steps; }
     // Between two passes over the mesh; false: cancelled or asked to finish.
     Done go_on() { return call.tick(0, true) && !call.finishing(); }
-    // Refines the unit until rounding causes at most half of this residual, or as far as options.largest_value allows.
-    UnitChange refine_unit(double residual);
+    // Refines the unit until rounding causes at most half of this residual, or as far as options.largest_value allows;
+    // false: it stays.
+    bool refine_unit(double residual);
     Done record(uint32_t kind, double energy_units, double residual_max) {
-        return recorder.event(state.level, kind, energy_units, residual_max);
+        return log.event(state.level, kind, energy_units, residual_max);
     }
 };
 
@@ -104,14 +99,10 @@ inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.
 [[nodiscard]] hmf_status whitehead_level(LevelWork& work);
 [[nodiscard]] hmf_status newton_level(LevelWork& work, double tolerance);
 
-// Called when no step helps. If quantization is the reason, fractions of a unit reach the goal; otherwise
-// HMF_LIMIT_STALLED.
-[[nodiscard]] hmf_status end_beyond_rounding(LevelWork& work, double goal);
-
 // Cascade from state.level to options.stop_level.  Ends on the intrinsic side
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.
-[[nodiscard]] hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+[[nodiscard]] hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, SolveLog& log,
                                      ClassGuard* guard = nullptr);
 
 } // namespace hmf

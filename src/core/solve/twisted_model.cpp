@@ -1,5 +1,7 @@
 #include "twisted_model.hpp"
 
+#include "parameters.hpp"
+
 #include <algorithm>
 
 namespace hmf {
@@ -118,21 +120,6 @@ void TwistedModel::fix(const Rings& rings, uint32_t v) {
     is_fixed[v] = 1;
     right[v] = row_scale[v] = 0;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
-}
-
-void TwistedModel::set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
-                            const int8_t* step, double floor) {
-    is_fixed[v] = 0;
-    double b = 0, pull = 0;
-    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t, ++step) {
-        const uint32_t h = rings.side[t].half_edge;
-        sign[h] = static_cast<int8_t>(-*step);
-        const double p = weight[edge_of(h)] * static_cast<double>(f.at(h));
-        b += sign[h] * p;
-        pull += p;
-    }
-    right[v] = b;
-    row_scale[v] = static_cast<float>(1 / (pull > floor ? pull : floor));
 }
 
 // The cluster of v, which has zero edges.
@@ -335,10 +322,9 @@ void TwistedModel::fix_at_bound(const Foliation& f, const Rings& rings, uint32_t
 // Projected Gauss-Seidel in the neighborhood of the patch, whose unknowns are fixed.
 void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch,
                                 Array<uint32_t>& distance) {
-    constexpr uint32_t rings_around = 8;
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
-        if (distance[k] == rings_around) continue;
+        if (distance[k] == parameters::BOUND_RINGS) continue;
         for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) {
             const uint32_t other = column[j];
             if (distance[other] != NONE || is_fixed[other]) continue;
@@ -346,10 +332,7 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
             patch.add(other);
         }
     }
-    // Fewer sweeps if the patch is most of the mesh: a fixed number of steps for each vertex.
-    constexpr size_t most_sweeps = 24, least_sweeps = 6, steps_per_vertex = 8;
-    const size_t affordable = std::max(least_sweeps, steps_per_vertex * count / (patch.size() + 1));
-    for (size_t s = 0, sweeps = std::min(most_sweeps, affordable); s < sweeps; ++s)
+    for (size_t s = 0, sweeps = parameters::local_passes(patch.size(), count); s < sweeps; ++s)
         for (size_t i = 0; i < patch.size(); ++i) {
             const uint32_t k = patch[s % 2 ? patch.size() - 1 - i : i];
             d[k] = relaxed(k);

@@ -56,9 +56,6 @@ struct TwistedModel {
     Done linearize(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
     // Matrix and bounds, after linearize().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
-    // After linearize(): lets a fixed zero move by less than a unit, as plan_move has planned it; step: of its sides.
-    void set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, const int8_t* step,
-                  double floor);
     LinearSystem system() { return {matrix(), right.data(), d.data(), is_fixed.data(), row_scale.data(), is_exact()}; }
     SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
     // No zeros, hence no bounds: one step reaches the minimum.

@@ -13,7 +13,7 @@
 #include <numeric>
 
 #include "src/core/api/foliation_object.hpp"
-#include "src/core/foliation/coarser_unit.hpp"
+#include "src/core/extreme/coarser_unit.hpp"
 
 namespace test_extremes {
 
@@ -226,14 +226,14 @@ TEST(Extremes, ValuesThatADoubleCannotHold) {
     ASSERT_TRUE(state.allocate(*hierarchy.get(), 0, memory));
     state.load(0, hmf::Triangulation::input);
     for (size_t e = 0; e < hierarchy.edges(0); ++e) state.foliation.value[e] = int64_t{1} << 53;
-    hmf::Making making;
-    making.unit = 0.5;
+    hmf::FoliationData data;
+    data.unit = 0.5;
     hmf_foliation* made = nullptr;
-    ASSERT_EQ(hmf::make_foliation(state, making, call, &made), HMF_OK);
+    ASSERT_EQ(hmf::make_foliation(state, data, call, &made), HMF_OK);
     for (const double x : values_of(Foliation(made))) ASSERT_EQ(x, std::ldexp(1.0, 52));
     state.foliation.value[3] += 2;
     made = nullptr;
-    EXPECT_EQ(hmf::make_foliation(state, making, call, &made), HMF_ERROR_UNSUPPORTED);
+    EXPECT_EQ(hmf::make_foliation(state, data, call, &made), HMF_ERROR_UNSUPPORTED);
     EXPECT_EQ(error.element, HMF_ELEMENT_EDGE);
     EXPECT_EQ(made, nullptr);
 }

@@ -1,4 +1,4 @@
-// Parts of a unit: where a residual above the tolerance is the rounding to one (src/core/solve/fraction.hpp).
+// Parts of a unit: where a residual above the tolerance is the rounding to one (src/core/extreme/fraction.hpp).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/core/api/foliation_object.hpp"
-#include "src/core/solve/fraction.hpp"
+#include "src/core/extreme/fraction.hpp"
 #include "src/core/solve/solve.hpp"
 #include "src/core/solve/twisted_model.hpp"
 #include "support/small_surface.hpp"
@@ -68,9 +68,10 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
         if (!model.is_fixed[v]) continue;
         EXPECT_TRUE(part[v] > 0 && part[v] < 1) << part[v];
         const hmf::Rings::Side* side = &rings.side[rings.offset[v]];
-        hmf::read_star(f, side, rings.offset[v + 1] - rings.offset[v], weight, star);
+        const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
+        hmf::read_star(f, side, degree, weight, star);
         EXPECT_TRUE(hmf::plan_move(f, side, star));
-        model.set_free(f, rings, weight, v, star.step.data(), 1);
+        for (uint32_t t = 0; t < degree; ++t) model.sign[side[t].half_edge] = static_cast<int8_t>(-star.step[t]);
     }
     hmf::ClassGuard guard;
     EXPECT_EQ(guard.start(state, 1, nullptr, hmf::Array<int64_t>(), call), HMF_OK);
@@ -128,8 +129,8 @@ hmf::ResidualResult find_parts(SmallSurface& surface, double goal, hmf::Array<do
     hmf::Level level;
     level.weight = surface.weight.data();
     const hmf::SolveOptions options;
-    hmf::Recorder recorder(false, call, 1);
-    hmf::LevelWork work{state, level, options, call, recorder, nullptr, false, {}, {}, {}, {}};
+    hmf::SolveLog log(false, call, 1);
+    hmf::LevelWork work{state, level, options, call, log, nullptr, {}, {}, {}, {}};
     EXPECT_TRUE(work.rings.build(f.mesh, level.weight, surface.memory)
                 && work.star.allocate(surface.memory, work.rings.max_degree));
     hmf::ResidualResult found;

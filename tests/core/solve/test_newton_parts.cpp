@@ -18,7 +18,7 @@
 #include "src/applications/parameterize/flat_cone_metric.hpp"
 #include "src/applications/parameterize/parameterization.hpp"
 #include "src/applications/parameterize/seams.hpp"
-#include "src/core/solve/fraction.hpp"
+#include "src/core/extreme/fraction.hpp"
 #include "src/core/solve/twisted_model.hpp"
 #include "support/make_mesh.hpp"
 

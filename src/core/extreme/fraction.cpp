@@ -80,6 +80,22 @@ Done measure_with_part(Foliation& f, const Rings& rings, const double* weight, c
     return true;
 }
 
+// After linearize(): lets a fixed zero move by less than a unit, as plan_move has planned it; step: of its sides.
+void free_zero(TwistedModel& model, const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+               const int8_t* step, double floor) {
+    model.is_fixed[v] = 0;
+    double b = 0, pull = 0;
+    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t, ++step) {
+        const uint32_t h = rings.side[t].half_edge;
+        model.sign[h] = static_cast<int8_t>(-*step);
+        const double p = weight[edge_of(h)] * static_cast<double>(f.at(h));
+        b += model.sign[h] * p;
+        pull += p;
+    }
+    model.right[v] = b;
+    model.row_scale[v] = static_cast<float>(1 / (pull > floor ? pull : floor));
+}
+
 // Vertices at zeros that go into the direction which pulls them, by less than a unit: Whitehead moves that nothing lies
 // in the way of.  The same list is found from the parts alone.
 class FreeZeros {
@@ -103,7 +119,7 @@ public:
         const bool moves = 2 * star_.best_pull > star_.pull && plan_move(f_, side, star_) && f_.pushed.empty();
         star_.budget = budget;
         if (!moves) return;
-        model_.set_free(f_, rings_, weight_, v, star_.step.data(), floor);
+        free_zero(model_, f_, rings_, weight_, v, star_.step.data(), floor);
         list.add(v);
         explore_cluster(f_, v);
         for (const uint32_t u : f_.members) cluster_[u] = v;
@@ -341,6 +357,20 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
             if (found.max <= goal) return HMF_OK;
         }
     }
+    return HMF_OK;
+}
+
+hmf_status correct_below_unit(State& state, const SolveOptions& options, const ClassGuard& guard, Call& call,
+                              SolveLog& log) {
+    const double goal = options.tolerance;
+    LevelWork work{state, state.hierarchy->levels[state.level], options, call, log, nullptr, {}, {}, {}, {}};
+    if (!work.prepare()) return call.stopped();
+    ResidualResult found;
+    if (const hmf_status status = find_fractions(work, goal, log.fraction, found)) return status;
+    if (!(found.max <= goal)) return guard.checks_steps ? HMF_LIMIT_CLASS : HMF_LIMIT_STALLED;
+    const double D = energy(state.foliation, work.level.weight, call.parallel);
+    if (!work.record(options.method == HMF_METHOD_NEWTON ? 2 : 1, D, found.max)) return call.out_of_memory();
+    log.certificate = {true, D, found.max, found.mean, true};
     return HMF_OK;
 }
 

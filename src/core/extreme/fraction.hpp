@@ -10,10 +10,16 @@
 // one, as in a Whitehead move: branch points and other vertices are at integer distances, so it meets none of them.
 #pragma once
 
-#include "solve.hpp"
-#include "twisted_model.hpp"
+#include "../solve/solve.hpp"
+#include "../solve/twisted_model.hpp"
 
 namespace hmf {
+
+// After HMF_LIMIT_STALLED on the stop level: if quantization is the reason, corrections reach the tolerance. Then
+// HMF_OK, with the certificate and the corrections in the log. Otherwise HMF_LIMIT_CLASS if steps needed a certificate,
+// or HMF_LIMIT_STALLED.
+[[nodiscard]] hmf_status correct_below_unit(State& state, const SolveOptions& options, const ClassGuard& guard,
+                                            Call& call, SolveLog& log);
 
 // part: d of each vertex, into its + direction as chosen by a new TwistedModel of this foliation. If found.max exceeds
 // goal, no corrections help, and part is unspecified.

@@ -19,7 +19,7 @@
 // sense is the sign of the direction in which h leaves i and its twin leaves j.
 #pragma once
 
-#include "foliation.hpp"
+#include "../foliation/foliation.hpp"
 
 namespace hmf {
 
