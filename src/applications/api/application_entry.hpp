@@ -5,7 +5,7 @@
 
 #include "../../core/hierarchy/caller_numbers.hpp"
 #include "../../core/leaves/cylinders.hpp"
-#include "../../core/solve/double_reflection.hpp"
+#include "../../core/leaves/double_reflection.hpp"
 #include "shared_flat.hpp"
 
 namespace hmf {

@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "../../core/leaves/cylinders.hpp"
-#include "../../core/solve/double_reflection.hpp"
+#include "../../core/leaves/double_reflection.hpp"
 #include "whole_weights.hpp"
 
 namespace hmf {
@@ -105,7 +105,7 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
 hmf_status WeightSearch::find_bare_parts(bool& any) {
     Reflection reflection;
     Symmetrized made;
-    if (make_symmetric(state_, call_, made)) return call_.status();
+    if (make_symmetric(*state_.hierarchy, state_.level, state_.foliation, call_, made)) return call_.status();
     any = !made.exact;
     if (any) return HMF_OK;
     if (read_reflection(h_, reflection, call_)) return call_.status();

@@ -1,6 +1,6 @@
 // hmf.h: interpolate, energy, residuals, singularities.
 #include "../hierarchy/caller_numbers.hpp"
-#include "../solve/double_reflection.hpp"
+#include "../leaves/double_reflection.hpp"
 #include "../extreme/fraction.hpp"
 #include "foliation_object.hpp"
 #include "result.hpp"
@@ -27,7 +27,8 @@ hmf_status hmf_interpolate(const hmf_foliation* foliation, size_t level, const h
     if (load_values(*foliation, level, state, call)) return call.status();
     if (!state.go_to(level, call)) return call.stopped();
     Symmetrized made;
-    if (level != foliation->level && make_symmetric(state, call, made)) return call.status();
+    const bool moved = level != foliation->level;
+    if (moved && make_symmetric(*state.hierarchy, level, state.foliation, call, made)) return call.status();
     FoliationData data;
     data.unit = foliation->unit;
     return make_foliation(state, data, call, out) ? call.status() : entry.end();

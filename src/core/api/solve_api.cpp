@@ -1,5 +1,5 @@
 // hmf.h: initialize, solve, relax.
-#include "../solve/double_reflection.hpp"
+#include "../leaves/double_reflection.hpp"
 #include "read_values.hpp"
 #include "solve_call.hpp"
 #include "solve_result.hpp"
@@ -135,7 +135,7 @@ hmf_status hmf_foliation_from_loops(const hmf_hierarchy* hierarchy, const hmf_lo
     state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     Symmetrized made;
-    if (make_symmetric(state, call, made)) return call.status();
+    if (make_symmetric(*state.hierarchy, state.level, state.foliation, call, made)) return call.status();
     FoliationData data;
     data.unit = given.unit;
     return make_foliation(state, data, call, out) ? call.status() : entry.end();

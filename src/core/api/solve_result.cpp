@@ -1,7 +1,7 @@
 #include "solve_result.hpp"
 
 #include "../extreme/fraction.hpp"
-#include "../solve/double_reflection.hpp"
+#include "../leaves/double_reflection.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +116,9 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     if (two_sides || data.solved_bits > 0) data.solved = solved.data();
     if (data.solved_bits > 0 && coarsen_unit(state, data.solved_bits, call)) return call.status();
     Symmetrized made;
-    if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call, made)) return call.status();
+    if (options.method != HMF_METHOD_PAPER
+        && make_symmetric(*state.hierarchy, state.level, state.foliation, call, made))
+        return call.status();
     if (watched && !call.tick(0, true)) return call.was_cancelled();
     const SingularityCount count = made.exact ? made.count : count_singularities(state.foliation, {}, watched);
     if (watched && call.cancelled()) return call.was_cancelled();

@@ -39,12 +39,12 @@ hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call&
     return HMF_OK;
 }
 
-hmf_status make_symmetric(State& state, Call& call, Symmetrized& made) {
+hmf_status make_symmetric(const hmf_hierarchy& h, size_t level, Foliation& f, Call& call, Symmetrized& made) {
     made.exact = false;
-    if (state.level > 0 || !state.hierarchy->is_double()) return HMF_OK;
+    if (level > 0 || !h.is_double()) return HMF_OK;
     Reflection reflection;
-    if (read_reflection(*state.hierarchy, reflection, call)) return call.status();
-    return make_symmetric(state.foliation, reflection, call, made);
+    if (read_reflection(h, reflection, call)) return call.status();
+    return make_symmetric(f, reflection, call, made);
 }
 
 } // namespace hmf
