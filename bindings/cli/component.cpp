@@ -369,11 +369,13 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
         Json::Array cylinders;
         for (uint64_t k = 0; k < cylinders_->count; ++k) {
             const hmf_cylinder& c = cylinders_->list[k];
+            const double twist = cylinders_->twists[k];
             cylinders.push_back(Json{{"loop", c.loop == HMF_NONE ? Json() : Json(c.loop)},
                                      {"height", c.height},
                                      {"circumference", c.circumference},
                                      {"modulus", c.modulus},
-                                     {"area", c.area}});
+                                     {"area", c.area},
+                                     {"twist", std::isnan(twist) ? Json() : Json(twist)}});
         }
         report.set("cylinders", cylinders);
     }

@@ -576,6 +576,13 @@ typedef struct hmf_cylinder_set {
                                     heights as weights. Part of this block: do not free it */
     double area_error;           /* relative difference of the sum of height * circumference and the energy, at most
                                     1e-4; with boundary those of the double */
+    const double *twists;        /* count: see below, in [0, circumference), in the unit of the values; NAN where there
+                                    is none */
+    const uint64_t *corner_offsets; /* 2 * count + 1: corners of the first side of cylinder k begin at corner_offsets[2
+                                    k], those of its second side at corner_offsets[2 k + 1] */
+    const uint32_t *corner_vertices; /* per corner: the vertex of its zero, or the vertex of the triangle with the zero
+                                    that lies ahead of the zero inside the cylinder */
+    const double *corner_places; /* per corner: its place on the cylinder, see below, in [0, circumference) */
 } hmf_cylinder_set;
 
 /*
@@ -589,6 +596,23 @@ typedef struct hmf_cylinder_set {
  * Heights are exact.  Circumference, modulus and area are those of the minimum.  There the
  * energy is the sum of height * circumference and the sum of the areas, which is checked.
  * Cylinders are matched to loops by their free homotopy classes, exactly.
+ *
+ * Twists are those of the minimum as well.  A corner is where a side of a cylinder passes a
+ * zero or marked vertex.  The base of a side is its corner with the lowest vertex number; if
+ * several corners have this vertex, the one whose last edge into the cylinder, in
+ * counter-clockwise order, ends at the lowest vertex, on the triangulation where the foliation
+ * is solved.  The first side of the cylinder is the one with the lower base.  The twist is the
+ * distance, along the leaves, from the point opposite to the base of the first side to the
+ * base of the second side, in the direction that has the second side on the right.  Twists
+ * near 0 and near the circumference are the same up to rounding.  Corners are listed side by
+ * side, in this direction, the base first.  The place of a corner is its distance from the
+ * base of the first side, so the twist is the place of the base of the second side.  For
+ * other bases subtract their places.  Both sides of a critical leaf are equally long, except
+ * beside a vertex of even order, where they are up to discretization.
+ *
+ * A cylinder of a torus without marked vertices has a twist and no corners.  The twist is NAN,
+ * and there are no corners, on a surface with boundary, if a side of the cylinder has no
+ * corner, and if the flux along a side differs from the circumference by more than 1e-4.
  *
  * With boundary, level 0 and loops are required, otherwise HMF_ERROR_UNSUPPORTED.  For an
  * arc the cylinder is a strip: its circumference is the length of a leaf from boundary to

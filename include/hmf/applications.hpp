@@ -174,6 +174,13 @@ public:
     Span<Cylinder> list() const noexcept { return span(get()->list, get()->count); }
     /* The leaf in the middle of each cylinder as a triangle loop, with the heights as weights. */
     Loops leaves() const { return detail::own(*get()->leaves); }
+    Span<double> twists() const noexcept { return span(get()->twists, get()->count); }
+    Span<uint64_t> corner_offsets() const noexcept { return span(get()->corner_offsets, 2 * get()->count + 1); }
+    Span<uint32_t> corner_vertices() const noexcept { return span(get()->corner_vertices, corner_count()); }
+    Span<double> corner_places() const noexcept { return span(get()->corner_places, corner_count()); }
+
+private:
+    uint64_t corner_count() const noexcept { return get()->corner_offsets[2 * get()->count]; }
 };
 
 /* hmf_cylinders, without their loops. */

@@ -438,6 +438,9 @@ TEST(Hpp, Cylinders) {
     const hmf::Solution solution = hierarchy.solve(loops);
     const hmf::Cylinders cylinders = hmf::cylinders(solution.foliation, loops);
     ASSERT_EQ(2u, cylinders.list().size());
+    ASSERT_EQ(2u, cylinders.twists().size());
+    ASSERT_EQ(cylinders.corner_vertices().size(), cylinders.corner_offsets()[4]);
+    EXPECT_EQ(cylinders.twists()[1], cylinders.corner_places()[cylinders.corner_offsets()[3]]);
     double area = 0;
     for (const hmf::Cylinder& cylinder : cylinders.list()) {
         ASSERT_LT(cylinder.loop, 2u);

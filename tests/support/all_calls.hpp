@@ -118,6 +118,10 @@ inline Bits bits_of(const hmf_cylinder_set& c) {
         const hmf_cylinder& at = c.list[i];
         bits.insert(bits.end(), {double(at.loop), at.height, at.circumference, at.modulus, at.area});
     }
+    append(bits, c.twists, c.count);
+    append(bits, c.corner_offsets, 2 * c.count + 1);
+    append(bits, c.corner_vertices, c.corner_offsets[2 * c.count]);
+    append(bits, c.corner_places, c.corner_offsets[2 * c.count]);
     return bits;
 }
 

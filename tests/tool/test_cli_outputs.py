@@ -439,6 +439,7 @@ class Leaves(Case):
         cylinders = found["cylinders"]
         self.assertEqual([c["height"] for c in sorted(cylinders, key=lambda c: c["loop"])], [1, 1, 2])
         self.assertEqual(sorted(c["loop"] for c in cylinders), [0, 1, 2])
+        self.assertTrue(all(0 <= c["twist"] < c["circumference"] for c in cylinders))
         self.assertAlmostEqual(sum(c["height"] * c["circumference"] for c in cylinders) / found["energy"], 1, delta=1e-9)
         self.assertAlmostEqual(sum(c["area"] for c in cylinders) / found["energy"], 1, delta=1e-9)
 

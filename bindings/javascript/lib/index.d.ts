@@ -413,6 +413,14 @@ export interface Cylinders {
     leaves: LoopSet;
     /** Relative difference of the sum of height * circumference and the energy. */
     areaError: number;
+    /** From the point opposite to the base of the first side to the base of the second side, along the leaves, with the second side on the right; in [0, circumference). NaN where there is none. */
+    twists: Float64Array;
+    /** Corners of side s (0 or 1) of cylinder k: from entry 2 k + s to the next entry, the base first. */
+    cornerOffsets: BigUint64Array;
+    /** For each corner the vertex of its zero, or the vertex of the triangle with the zero that lies ahead of the zero inside the cylinder. The base is the corner with the lowest one. */
+    cornerVertices: Uint32Array;
+    /** For each corner its distance from the base of the first side, in [0, circumference). For other bases subtract their places. */
+    cornerPlaces: Float64Array;
 }
 
 /** In the flat metric du^2 + dv^2. */

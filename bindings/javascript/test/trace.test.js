@@ -111,7 +111,7 @@ test('conjugate leaves cross each cylinder from side to side', () => {
 test('one cylinder for each loop, as high as its weight', () => {
     const { positions, triangles } = pretzel(3, 3), weights = [1, 2, 0.5];
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 200 }), loops = { ...hierarchy.loops(), weights };
-    const foliation = hierarchy.solve({ loops }), { list: cylinders, leaves } = foliation.cylinders({ loops }), { triangleEdges } = described(hierarchy);
+    const foliation = hierarchy.solve({ loops }), { list: cylinders, leaves, ...found } = foliation.cylinders({ loops }), { triangleEdges } = described(hierarchy);
     assert.deepEqual(cylinders.map(({ loop }) => loop).sort(), [0, 1, 2]);
     const sides = new Map();
     for (const [edge, around] of triangleEdges) for (const t of around) sides.set(t, [...(sides.get(t) ?? []), edge]);
@@ -121,6 +121,9 @@ test('one cylinder for each loop, as high as its weight', () => {
         assert.equal(height, weights[loop]);
         assert.ok(Math.abs(modulus - height / circumference) < 1e-12 * modulus);
         assert.ok(Math.abs(area - height * circumference) < 1e-9 * area);
+        const [first, second] = [0, 1].map(side => Number(found.cornerOffsets[2 * i + side]));
+        assert.deepEqual([found.cornerPlaces[first], found.cornerPlaces[second]], [0, found.twists[i]]);
+        assert.ok(found.cornerVertices[first] <= found.cornerVertices[second]);
         const leaf = leaves.loops[i];
         leaf.forEach((t, k) => assert.ok(sides.get(t).some(e => sides.get(leaf[(k + 1) % leaf.length]).includes(e)), 'a closed chain'));
     }

@@ -19,6 +19,10 @@ def test_heights_areas_and_loops(hierarchy: foliations.Hierarchy) -> None:
         assert cylinder.area == pytest.approx(cylinder.height * cylinder.circumference)
     assert sorted(cylinder.loop or 0 for cylinder in found) == [0, 1]
     assert sum(cylinder.area for cylinder in found) == pytest.approx(foliation.energy, rel=1e-6)
+    assert found.twists.shape == (2,) and found.corner_offsets.shape == (5,)
+    assert len(found.corner_vertices) == len(found.corner_places) == found.corner_offsets[-1]
+    assert (found.corner_places[found.corner_offsets[[0, 2]]] == 0).all()
+    assert (found.corner_places[found.corner_offsets[[1, 3]]] == found.twists).all()
 
 
 def test_middle_leaves_give_the_class(hierarchy: foliations.Hierarchy) -> None:

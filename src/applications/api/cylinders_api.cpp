@@ -72,6 +72,7 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
     Array<uint32_t> triangles;
     Array<hmf_cylinder> list;
     Array<double> heights;
+    Twists twists;
     if (leaves.load(*foliation, call) || name_middle_leaves(leaves, curves, triangles, call)) return call.status();
     const size_t n = leaves.cylinders.list.size();
     if (!list.allocate(call.memory, n) || !heights.allocate(call.memory, n)) return call.out_of_memory();
@@ -83,7 +84,7 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
     if (load_solved_in_unit_of_values(*foliation, solved, call)
         || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
         || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &of_loops : nullptr, solved,
-                             unit, list, call)
+                             unit, list, h.is_double() ? nullptr : &twists, call)
         || check_sum_of_areas(list, solved, unit, area_error, call))
         return call.status();
 
@@ -92,14 +93,22 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
         && keep_front_of_set(h, *loops, given, {list, curves.offsets, triangles, arcs}, heights, call))
         return call.status();
     const size_t count = list.size();
+    if (h.is_double()
+        && (!twists.twist.allocate_filled(call.memory, count, double{NAN})
+            || !twists.offsets.allocate_filled(call.memory, 2 * count + 1, uint64_t{0})))
+        return call.out_of_memory();
     struct Made {
         hmf_cylinder_set set;
         hmf_loop_set leaves;
-    } made{{sizeof(hmf_cylinder_set), 0, count, nullptr, nullptr, area_error},
+    } made{{sizeof(hmf_cylinder_set), 0, count, nullptr, nullptr, area_error, nullptr, nullptr, nullptr, nullptr},
            {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, foliation->level, count, nullptr, nullptr, nullptr, nullptr,
             nullptr}};
     ResultBlock block;
     block.array(made, made.set.list, count, list.data());
+    block.array(made, made.set.twists, count, twists.twist.data());
+    block.array(made, made.set.corner_offsets, 2 * count + 1, twists.offsets.data());
+    block.array(made, made.set.corner_vertices, twists.vertices.size(), twists.vertices.data());
+    block.array(made, made.set.corner_places, twists.places.size(), twists.places.data());
     block.array(made, made.leaves.offsets, count + 1, curves.offsets.data());
     block.array(made, made.leaves.elements, triangles.size(), triangles.data());
     block.array(made, made.leaves.weights, count, heights.data());

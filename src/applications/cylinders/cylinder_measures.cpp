@@ -70,7 +70,7 @@ hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loo
 } // namespace
 
 hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved, double unit,
-                             Array<hmf_cylinder>& out, Call& call) {
+                             Array<hmf_cylinder>& out, Twists* twists, Call& call) {
     const size_t n = given.cylinders.list.size();
     Cylinders measured;
     Array<uint32_t> found;
@@ -91,7 +91,7 @@ hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* lo
         out[c].modulus = out[c].height / out[c].circumference;
         out[c].area = area[found[c]] * unit * unit;
     }
-    return HMF_OK;
+    return twists ? measure_twists(solved, measured, found, out, unit, *twists, call) : HMF_OK;
 }
 
 } // namespace hmf

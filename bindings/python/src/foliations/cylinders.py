@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._boundary import ProgressOption, Rows, call, optional_index, view
@@ -37,12 +38,29 @@ class Cylinders(Rows[Cylinder]):
         level, with the heights as weights: loops of the class of the foliation.
     area_error : float
         Relative difference of the sum of height * circumference and the energy.
+    twists : (n,) array
+        From the point opposite to the base of the first side to the base of the second side, along the leaves, with
+        the second side on the right; in [0, circumference). NaN where there is none.
+    corner_offsets : (2 n + 1,) array
+        Corners of side s (0 or 1) of cylinder k: ``corner_offsets[2 * k + s]`` up to ``corner_offsets[2 * k + s + 1]``,
+        the base first.
+    corner_vertices : array
+        For each corner the vertex of its zero, or the vertex of the triangle with the zero that lies ahead of the zero
+        inside the cylinder. The base is the corner with the lowest one.
+    corner_places : array
+        For each corner its distance from the base of the first side, in [0, circumference). For other bases subtract
+        their places.
     """
 
-    def __init__(self, rows: NDArray[Any], leaves: Loops, area_error: float) -> None:
-        super().__init__(rows)
-        self.leaves = leaves
-        self.area_error = area_error
+    def __init__(self, made: Any) -> None:
+        super().__init__(view(made, made.list, made.count))
+        self.leaves = Loops._of(made.leaves, made)
+        self.area_error: float = made.area_error
+        self.twists: NDArray[np.float64] = view(made, made.twists, made.count)
+        self.corner_offsets: NDArray[np.uint64] = view(made, made.corner_offsets, 2 * made.count + 1)
+        corners = int(self.corner_offsets[-1])
+        self.corner_vertices: NDArray[np.uint32] = view(made, made.corner_vertices, corners)
+        self.corner_places: NDArray[np.float64] = view(made, made.corner_places, corners)
 
     def _entry(self, number: int, row: dict[str, Any]) -> Cylinder:
         row["loop"] = optional_index(row["loop"])
@@ -78,4 +96,4 @@ def cylinders(
     given, alive = loop_structure(foliation.loops if loops is None else loops, weights)
     made = call(lib.hmf_cylinders, foliation._pointer, given, progress=progress)
     del alive
-    return Cylinders(view(made, made.list, made.count), Loops._of(made.leaves, made), made.area_error)
+    return Cylinders(made)

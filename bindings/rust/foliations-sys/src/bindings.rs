@@ -669,6 +669,10 @@ pub struct hmf_cylinder_set {
     pub list: *const hmf_cylinder,
     pub leaves: *const hmf_loop_set,
     pub area_error: f64,
+    pub twists: *const f64,
+    pub corner_offsets: *const u64,
+    pub corner_vertices: *const u32,
+    pub corner_places: *const f64,
 }
 impl Default for hmf_cylinder_set {
     fn default() -> Self {

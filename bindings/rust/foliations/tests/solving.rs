@@ -361,6 +361,11 @@ fn cylinders_fill_the_surface() {
     let foliation = &solution.foliation;
     let cylinders = foliation.cylinders(Some(&loops)).unwrap();
     assert_eq!((cylinders.list.len(), cylinders.leaves.len()), (2, 2));
+    for (k, &twist) in cylinders.twists.iter().enumerate() {
+        let place = |side: usize| cylinders.corner_places[cylinders.corner_offsets[2 * k + side] as usize];
+        assert_eq!((place(0), place(1)), (0.0, twist));
+    }
+    assert_eq!(cylinders.corner_vertices.len(), cylinders.corner_places.len());
     for (cylinder, leaf) in cylinders.list.iter().zip(cylinders.leaves.iter()) {
         assert_eq!(cylinder.height, loops.weights()[cylinder.loop_index.unwrap() as usize]);
         assert!(close(cylinder.modulus * cylinder.circumference, cylinder.height));

@@ -37,6 +37,17 @@ pub struct Cylinders {
     pub leaves: Loops,
     /// Relative difference of the sum of height * circumference and the energy.
     pub area_error: f64,
+    /// From the point opposite to the base of the first side to the base of the second side, along
+    /// the leaves, with the second side on the right; in `0..circumference`. NaN where there is none.
+    pub twists: Vec<f64>,
+    /// Corners of side s (0 or 1) of cylinder k: from entry 2 k + s to the next entry, the base first.
+    pub corner_offsets: Vec<u64>,
+    /// For each corner the vertex of its zero, or the vertex of the triangle with the zero that lies
+    /// ahead of the zero inside the cylinder. The base is the corner with the lowest one.
+    pub corner_vertices: Vec<u32>,
+    /// For each corner its distance from the base of the first side, in `0..circumference`. For other
+    /// bases subtract their places.
+    pub corner_places: Vec<f64>,
 }
 
 impl Foliation {
@@ -61,6 +72,20 @@ impl Foliation {
             make(|out, control, error| unsafe { sys::hmf_cylinders(self.as_ptr(), set, control, out, error) })?;
         // SAFETY: the list has so many entries, and the leaves are part of the block.
         let (list, leaves) = unsafe { (slice(block.list, block.count), Loops::copy(&*block.leaves)) };
-        Ok(Cylinders { list: list.iter().map(Read::read).collect(), leaves, area_error: block.area_error })
+        // SAFETY: arrays of the block; the last offset counts the corners.
+        let (twists, corner_offsets) =
+            unsafe { (slice(block.twists, block.count), slice(block.corner_offsets, 2 * block.count + 1)) };
+        let corners = corner_offsets[corner_offsets.len() - 1];
+        let (vertices, places) =
+            unsafe { (slice(block.corner_vertices, corners), slice(block.corner_places, corners)) };
+        Ok(Cylinders {
+            list: list.iter().map(Read::read).collect(),
+            leaves,
+            area_error: block.area_error,
+            twists: twists.to_vec(),
+            corner_offsets: corner_offsets.to_vec(),
+            corner_vertices: vertices.to_vec(),
+            corner_places: places.to_vec(),
+        })
     }
 }
