@@ -45,9 +45,7 @@ constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor are left to the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
-// Searches around a loop that exhaust their budget end at this multiple of the work of the others.
-constexpr double POLISH = 6;
-constexpr double MOST_BUDGET = 32; // so many times the work of the others, and no loop: it ends
+constexpr double MOST_BUDGET = 32;     // so many times the work of the others, and no loop: it ends
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t CUT_MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
 constexpr int MOST_ROUNDS = 8;           // of measuring and choosing again
@@ -66,7 +64,6 @@ public:
     hmf_status run(const double* position, Loops& out) {
         const uint32_t wanted = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
         out_ = &out;
-        loop_.start(memory_);
         try_.start(memory_);
         candidates_.start(memory_);
         strips_.start(memory_);
@@ -393,17 +390,16 @@ private:
         for (uint32_t f = 0; f < mesh_.face_count; ++f) face_bound_[f] = 0;
     }
 
-    // loop_, if there is one: found_.
+    // Candidates for the next loop; found_: there is one.
     hmf_status find_loop(double allowed) {
         found_ = false;
         best_ = UNREACHED;
         candidates_.clear();
         strips_.clear();
         work_before_ = search_.work();
-        bool complete = false;
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
-            if (!search_roots(allowed, complete)) return call_.stopped();
+            if (!search_roots(allowed)) return call_.stopped();
             if (found_ || !search_.budget_exhausted() || exceeds_budget(allowed)
                 || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 break;
@@ -414,18 +410,7 @@ private:
             if (!prepare()) return call_.out_of_memory();
         }
         // Loops that meet themselves may have hidden others.
-        if (!found_ && condition_ && (!all_roots() || !search_roots(allowed, complete))) return call_.stopped();
-        // Again from roots around the loop itself, until none of them gains.  A search that exhausts its budget gives
-        // no bounds,
-        // and the next one is as long: then only as far as the work allows.
-        size_t eighth = 1;
-        for (int i = 0; i < 24 && eighth < 8 && found_ && !complete; ++i) {
-            if (search_.budget_exhausted() && static_cast<double>(search_.work()) >= POLISH * allowed) break;
-            const double before = best_;
-            const uint32_t root = cut_.region[loop_[loop_.size() * eighth / 8]];
-            if (search_.bound(root) < best_ && !look_from(root)) return call_.stopped();
-            eighth = best_ < before ? 1 : eighth + 1;
-        }
+        if (!found_ && condition_ && (!all_roots() || !search_roots(allowed))) return call_.stopped();
         return HMF_OK;
     }
 
@@ -433,9 +418,7 @@ private:
         return !found_ && static_cast<double>(search_.work() - work_before_) >= MOST_BUDGET * allowed;
     }
 
-    // complete: as far as the bounds allowed, each root was searched.
-    Done search_roots(double allowed, bool& complete) {
-        complete = false;
+    Done search_roots(double allowed) {
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= roots() * best_
                 || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
@@ -447,7 +430,6 @@ private:
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
             if (!look_from(roots_[i].region)) return false;
         }
-        complete = !search_.budget_exhausted();
         return true;
     }
 
@@ -468,9 +450,6 @@ private:
             if (total < best_) {
                 found_ = true;
                 best_ = total;
-                loop_.clear();
-                for (const uint32_t link : try_)
-                    if (!loop_.push(link)) return false;
             }
             if (!offer(total, search_.signature(i))) return false;
         }
@@ -537,9 +516,9 @@ private:
     Array<uint32_t> strips_, kept_, ids_, waits_; // waits_: classes of candidates that wait
     Array<Candidate> strip_;                      // per id
     Array<Choice> choice_;
-    Array<double> kept_bound_;   // face_bound_ after each choice, if that is not too much
-    Array<uint32_t> loop_, try_; // half-segments
-    double best_ = UNREACHED;    // length of loop_
+    Array<double> kept_bound_; // face_bound_ after each choice, if that is not too much
+    Array<uint32_t> try_;      // half-segments
+    double best_ = UNREACHED;  // length of the shortest candidate
     bool found_ = false;
     // Of a batch: signatures of its loops, each reduced by those before; faces that they pass; per edge a bit for
     // each of them that runs along it, with the edge on its left.
