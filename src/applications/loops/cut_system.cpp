@@ -40,13 +40,12 @@ constexpr double ROOTS = 1.15; // no search if all its loops are longer than the
 // long.  That one comes last, and its search reaches further, and leaves out less.
 constexpr uint32_t MANY_CUT_HANDLES = 10;
 constexpr double MANY_ROOTS = 1.5, CUT_FAR = 2.6, FAR_ROOTS = 2;
-constexpr double APART = 0.15;         // least distance from another search, in lengths of the best loop
-constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops that are left
-constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
-constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor are left to the next search
-constexpr size_t MOST_CANDIDATES = 48; // for one loop
-constexpr double MOST_BUDGET = 32;     // so many times the work of the others, and no loop: it ends
-constexpr size_t MOST_BOUNDS = 1000000;
+constexpr double APART = 0.15;           // least distance from another search, in lengths of the best loop
+constexpr uint32_t MOST_OF_BATCH = 64;   // a bit for each; else half of the loops that are left
+constexpr int MOST_CHOICES = 4;          // of a batch, as its classes are measured
+constexpr double BATCH = ROOTS;          // loops longer than the best one by this factor are left to the next search
+constexpr size_t MOST_CANDIDATES = 48;   // for one loop
+constexpr double MOST_BUDGET = 32;       // so many times the work of the others, and no loop: it ends
 constexpr uint64_t CUT_MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
 constexpr int MOST_ROUNDS = 8;           // of measuring and choosing again
 
@@ -85,8 +84,6 @@ public:
         for (; k < wanted && is_permitted(k); ++k)
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();
         const uint32_t fixed = k;
-        const size_t kept = size_t{wanted - fixed} * mesh_.face_count;
-        if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
         uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
             while (k < wanted) {
@@ -165,9 +162,6 @@ private:
             if (curves_.total >= MULTICURVE_LIMIT)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
                                   "The loops cross more than 2^29 edges. Use a coarser level.");
-            if (!kept_bound_.empty())
-                std::memcpy(&kept_bound_[(choice_.size() - 1) * mesh_.face_count], face_bound_.data(),
-                            face_bound_.size() * sizeof(double));
         }
         return HMF_OK;
     }
@@ -286,11 +280,7 @@ private:
         while (choice_.size() > size_t{k} - fixed + 1) choice_.pop();
         forget_ids(choice_.back().end);
         out_->keep_first(k);
-        if (kept_bound_.empty())
-            for (double& bound : face_bound_) bound = 0;
-        else
-            std::memcpy(face_bound_.data(), &kept_bound_[(choice_.size() - 1) * mesh_.face_count],
-                        face_bound_.size() * sizeof(double));
+        for (double& bound : face_bound_) bound = 0;
         curves_.clear();
         const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
         return curves_.add(out_->crossings.data(), out_->crossings.size()) && add_taken(taken);
@@ -516,9 +506,8 @@ private:
     Array<uint32_t> strips_, kept_, ids_, waits_; // waits_: classes of candidates that wait
     Array<Candidate> strip_;                      // per id
     Array<Choice> choice_;
-    Array<double> kept_bound_; // face_bound_ after each choice, if that is not too much
-    Array<uint32_t> try_;      // half-segments
-    double best_ = UNREACHED;  // length of the shortest candidate
+    Array<uint32_t> try_;     // half-segments
+    double best_ = UNREACHED; // length of the shortest candidate
     bool found_ = false;
     // Of a batch: signatures of its loops, each reduced by those before; faces that they pass; per edge a bit for
     // each of them that runs along it, with the edge on its left.
