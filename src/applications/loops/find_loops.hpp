@@ -1,4 +1,4 @@
-// Loops that the library searches for: cut systems, partners, pants.
+// Loops that the library searches for: cut systems, dual loops, pants.
 #pragma once
 
 #include "../../../include/hmf/applications.h"
@@ -34,7 +34,7 @@ enum class RootReach : uint8_t { near, far };
 
 // Loops that each cross one of the disjoint loops that they are given, and for the others only earlier ones: disjoint
 // as well, and with them a basis of the homology. Puts the given loops in that order.
-[[nodiscard]] hmf_status partner_loops(const Mesh& mesh, Loops& loops, Call& call, Loops& out);
+[[nodiscard]] hmf_status dual_loops(const Mesh& mesh, Loops& loops, Call& call, Loops& out);
 
 // 3 genus - 3 + marked vertices disjoint loops (one for a torus without those),
 // pairwise not freely homotopic: they cut the surface into pairs of pants, whose

@@ -1,7 +1,7 @@
 // Handle and tunnel loops: cut systems whose loops bound inside the surface, or
 // outside of it (Dey, Li, Sun: On computing handle and tunnel loops, 2007).
 //
-//  1. A cut system and its partners are a basis x of the homology.
+//  1. A cut system and its dual loops are a basis x of the homology.
 //  2. They are carried to the mesh of the caller, the only one that is known to be embedded in space, and their Seifert
 //  matrix V is
 //     computed there (linking.hpp).
@@ -120,7 +120,7 @@ public:
         ClassLengths lengths(h_, found_, call_);
         hmf_status status = cut_system(mesh_, position_, nullptr, lengths, call_, free);
         if (!status && !a.copy_from(free, call_.memory)) return call_.out_of_memory();
-        if (!status) status = partner_loops(mesh_, a, call_, b);
+        if (!status) status = dual_loops(mesh_, a, call_, b);
         if (!status) status = measure(a, b);
         if (!status) status = make_conditions();
         if (!status) status = make_labels(a, b);
@@ -168,7 +168,7 @@ private:
                 const int64_t t = form_.intersection[n * i + g + j];
                 if (i == j ? t != 1 && t != -1 : t != 0)
                     return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j,
-                                      "Loops and partners do not fit. Please report this.");
+                                      "Loops and dual loops do not fit. Please report this.");
             }
         // g on both sides of a surface that does not meet itself.
         Echelon rows;
@@ -196,7 +196,7 @@ private:
 
     // The gates: loops of the basis that each loop of the kind crosses.  If it
     // crosses none, y is 0 there; then y is 0, if the rows of the condition that
-    // belong to the others are independent.  Those of the partners, which are
+    // belong to the others are independent.  Those of the dual loops, which are
     // long, come first, so that the gates are short.
     hmf_status choose_gates(const Loops& a, const Loops& b) {
         const size_t n = form_.size, g = n / 2;

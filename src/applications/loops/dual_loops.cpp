@@ -14,11 +14,11 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t PARTNER_PASSES = 8; // of the surface, by the searches of one cut
+constexpr size_t DUAL_PASSES = 8; // of the surface, by the searches of one cut
 
-class Partners {
+class DualLoops {
 public:
-    Partners(const Mesh& mesh, Loops& loops, Loops& out, Call& call) :
+    DualLoops(const Mesh& mesh, Loops& loops, Loops& out, Call& call) :
         mesh_(mesh), loops_(loops), out_(out), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
@@ -31,17 +31,17 @@ public:
         while (!left_.empty()) {
             if (!call_.tick(0, true)) return call_.was_cancelled();
             if (const hmf_status status = cut()) return status;
-            if (!find_partners(ordered)) return call_.stopped();
+            if (!find_dual_loops(ordered)) return call_.stopped();
             if (out_.count() == made_)
                 return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, left_[0],
-                                  "No partner of a loop was found. Please report this.");
+                                  "No dual loop was found. Please report this.");
         }
         loops_.swap(ordered);
         return HMF_OK;
     }
 
 private:
-    // Along the partners that there are and the loops that are left.
+    // Along the dual loops that there are and the loops that are left.
     hmf_status cut() {
         Loops all;
         Array<uint32_t> loop_of;
@@ -55,7 +55,7 @@ private:
             return call_.out_of_memory();
         if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, made_,
-                              "Partners are not disjoint. Please report this.");
+                              "Dual loops are not disjoint. Please report this.");
         for (uint32_t c = 0; c < all.count(); ++c) component_of_[loop_of[c]] = c;
         if (!cut_.build(mesh_, curves_, true, call_) || !queue_.allocate(memory_, cut_.region_count)
             || !reached_.allocate(memory_, cut_.region_count)
@@ -65,12 +65,12 @@ private:
     }
 
     // Of the loops that are left, until their searches have passed the surface several times.
-    Done find_partners(Loops& ordered) {
+    Done find_dual_loops(Loops& ordered) {
         Array<uint32_t> later, path;
         later.start(memory_);
         path.start(memory_);
         size_t passed = 0, i = 0;
-        for (; i < left_.size() && passed < PARTNER_PASSES * cut_.region_count; ++i) {
+        for (; i < left_.size() && passed < DUAL_PASSES * cut_.region_count; ++i) {
             const uint32_t k = left_[i];
             if (!cross_once(component_of_[made_ + i], static_cast<uint32_t>(i + 1), path, passed)
                 || !call_.work(64 * path.size()))
@@ -133,19 +133,19 @@ private:
     Loops& out_;
     Call& call_;
     Memory& memory_;
-    size_t made_ = 0; // partners before this cut
+    size_t made_ = 0; // dual loops before this cut
     Multicurve curves_;
     CutSurface cut_;
-    Array<uint32_t> left_;         // loops without a partner
-    Array<uint32_t> component_of_; // of curves_: partners, then loops that are left
+    Array<uint32_t> left_;         // loops without a dual loop
+    Array<uint32_t> component_of_; // of curves_: dual loops, then loops that are left
     Array<uint32_t> queue_, reached_, stamped_;
 };
 
 } // namespace
 
-hmf_status partner_loops(const Mesh& mesh, Loops& loops, Call& call, Loops& out) {
-    Partners partners(mesh, loops, out, call);
-    return partners.run();
+hmf_status dual_loops(const Mesh& mesh, Loops& loops, Call& call, Loops& out) {
+    DualLoops dual(mesh, loops, out, call);
+    return dual.run();
 }
 
 } // namespace hmf
