@@ -12,9 +12,6 @@
 // hole_joins.hpp finds these. Other candidates are short cycles with two holes or more on both sides, from the trees of
 // shortest paths from regions (signatures.hpp, loop_search.hpp).
 //
-// Where many loops are left, a search serves for several of them: the shortest candidates that pass no triangle of each
-// other. So a surface of large genus is cut and searched a number of times that grows with the logarithm of its genus.
-//
 // Classes that come close are measured on a fine level once there are all loops,
 // and from the first choice that was wrong on it is made again.
 //
