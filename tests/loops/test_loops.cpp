@@ -742,7 +742,7 @@ TEST(Disjoint, TheLastOneAlone) {
     Context c;
     Loops cut, others;
     ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, cut), HMF_OK);
-    ASSERT_EQ(hmf::dual_loops(mesh, cut, c.call, others), HMF_OK);         // each crosses one
+    ASSERT_EQ(hmf::dual_loops(mesh, cut, c.call, others), HMF_OK);            // each crosses one
     for (size_t k = 0; k < cut.count(); ++k) ASSERT_TRUE(others.add(cut, k)); // beside themselves
     Multicurve curves;
     ASSERT_TRUE(curves.allocate(mesh, c.memory));
