@@ -1,4 +1,5 @@
-// The linear solver of a level, for matrices of any kind. It climbs one ladder and never goes back:
+// The linear solver of a level, for matrices of any kind. Each solve starts on the lowest rung that may do;
+// once the direct solver was needed, it stays:
 //
 //   multigrid, setup of an earlier matrix   the signs of few rows have changed: a setup costs as much as ten iterations
 //   multigrid, setup of this matrix

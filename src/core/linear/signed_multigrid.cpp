@@ -4,7 +4,7 @@
 //   level 0   smooth, restrict                      prolong, smooth
 //   level 1        K-cycle: two steps of conjugate gradients, each with
 //   level 2..           one V-cycle
-//   last                     Cholesky factor
+//   last                     L D L^T factor
 //
 // One forward Gauss-Seidel sweep before and one backward after make the
 // preconditioner symmetric but for the K-cycle and rounding; flexible

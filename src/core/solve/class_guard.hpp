@@ -40,8 +40,8 @@ private:
     MeshListener listener_{};
 };
 
-// run_cascade, with the certificate and the guard.  HMF_LIMIT_CLASS: the result is
-// in its class, but the minimum could not be reached within it.
+// run_cascade, with the certificate and the guard.  HMF_LIMIT_CLASS: the minimum
+// could not be reached within the class; guard.result says whether the values are in it.
 [[nodiscard]] hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, SolveLog& log,
                                         ClassGuard& guard);
 

@@ -28,7 +28,7 @@ public:
     void relax();
     // Most vertices are within these rings; as of the last call.
     bool are_everywhere() const { return everywhere_; }
-    // One move for each zero whose residual is above this value; false: none moved.
+    // Moves of the vertices of zeros whose residual is above this value, as in a sweep; false: none moved.
     bool move_zeros(double residual);
     // The zeros of the model, for the certificate.
     Done list(ZeroList& zeros) const;

@@ -113,13 +113,13 @@ bool NewtonLevel::makes_no_progress(double residual) {
 //     rung           entered                                         needed by
 //     finer unit     the first time, if rounding to the unit         needles, caps
 //                    limits the residual and a finer one fits
-//     exact steps    each other time. Then each zero that is         small meshes with hundreds of zeros
-//                    not balanced makes a move
-//     give up        if no zero moves, or after many stalls          needles of 1e-6 degrees, lattices of bars
+//     exact steps    every later time. Then vertices at zeros        small meshes with hundreds of zeros
+//                    that are not balanced move
+//     give up        if none moves, or after many stalls
 //
-// Levels that only provide a start end at the first stall. Two more rungs lie outside of a level: after
-// HMF_LIMIT_STALLED the caller may correct values by less than a unit; and if the certificate fails, the level is
-// solved again with guarded steps (class_guard.hpp).
+// Levels that only provide a start end at the first stall. Two more rungs lie outside of a level: if the
+// certificate fails, all is solved again with a certificate for each level (class_guard.hpp); and at the end of a call
+// that stalled, values are corrected by less than a unit (extreme/fraction.hpp).
 hmf_status NewtonLevel::escalate(bool& goes_on) {
     goes_on = policy_.finest;
     if (!policy_.finest) return HMF_OK;

@@ -22,7 +22,7 @@ struct SolveTolerance {
 class StallDetector {
 public:
     // Once per round. Progress halves the residual, or lowers the energy by the share `goal`.
-    // passes_bounds: the last step stopped at bounds, where zeros pass one obstacle per round.
+    // passes_bounds: the last step met bounds at first and was taken whole; zeros pass one obstacle per round.
     bool is_stalled(double residual, double energy, double goal, bool passes_bounds);
     void restart() { *this = {}; }
 

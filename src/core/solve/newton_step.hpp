@@ -8,8 +8,10 @@
 //                       the certificate of the class
 //         passed: done
 //         change        the first of these that applies:
+//                           guarded, and vertices turned over    hold them
 //                           the solve was loose                  solve tightly
-//                           the energy rises, less each time     solve again between the bounds that are active
+//                           the energy rises, at most half       solve again between the bounds that are active
+//                           as much as the time before
 //                           it went too far at some vertices     hold them and the rings around them
 //                           none of these                        half of the step
 #pragma once

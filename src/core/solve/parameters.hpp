@@ -1,6 +1,7 @@
-// The numbers of the solver. None of them decides whether a result is right: every step is checked, and every result
-// has its residual and its certificate. They decide how long a solve takes. bench/steering.md says what each is worth,
-// and bench/steering.py measures it again. "guard": a bound of a loop that no mesh of the corpus reaches.
+// The numbers of Newton's method. None of them decides whether a result is right: every step is checked, and every
+// result has its residual and its certificate. They decide how long a solve takes, and whether it stalls.
+// bench/steering.md says what each is worth, and bench/steering.py measures it again. "guard": a bound of a loop that no
+// mesh of the corpus reaches.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,8 @@ namespace parameters {
 
 // --- Levels --------------------------------------------------------------------
 
-// The coarsest level is solved to the tolerance if it has at most this share of the vertices: 1 / COARSEST_SHARE.
+// The coarsest level is solved until no step meets a bound and it is CLOSE, not by MIDDLE_ROUNDS, if it has at most
+// this share of the vertices: 1 / COARSEST_SHARE.
 constexpr uint64_t COARSEST_SHARE = 8;
 // Residual of a start for the next level, and below which a minimum is near. Accuracy of a linear solve while zeros
 // move: a higher one is useless, because the model changes. Moves of a vertex, as a share of the residual, that are no
@@ -24,7 +26,7 @@ constexpr uint32_t MIDDLE_ROUNDS = 3;   // of a level that only provides a start
 
 // Once the zeros are in place, a solve may stop when the residual is this share of the tolerance.
 constexpr double RESIDUAL_SHARE = 0.5;
-// The precision of doubles: no solve is more accurate.
+// An exact solve: about the precision of doubles.
 constexpr double TIGHTEST = 1e-13;
 // Values on protrusions that no loop goes around decay below the error of a solve. The solve is continued with its
 // tolerance multiplied by this factor.
@@ -36,7 +38,7 @@ constexpr double CONTINUED = 1e-4;
 constexpr double PROGRESS = 0.5;
 // Rounds without progress, after which a level has stalled.
 constexpr uint32_t PATIENCE = 4;
-// The same if the last step met a bound: a zero on a ring of heavy edges passes one of them per round.
+// The same after a whole step that met a bound at first: a zero on a ring of heavy edges passes one of them per round.
 constexpr uint32_t PATIENCE_AT_BOUNDS = 60;
 constexpr uint32_t EXACT_STEPS = 2; // at a stall
 constexpr uint32_t STALLS = 8;      // after which the level is given up

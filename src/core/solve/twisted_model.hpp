@@ -14,7 +14,7 @@
 // the value is the distance before and after.  The model is exact while
 //
 //     s d_v <= a_v        at every corner of a tripod: stop at its branch point
-//     s d_v <= F_vm       at every neighbor m of a zero, which is fixed: stop there
+//     s d_v <= F_vm       at every v beside a zero m, which is fixed: stop there
 //
 // and no vertex becomes an extremum of the local potential.  A vertex that
 // stops at a branch point is fixed there: its neighbors must not pass it,
