@@ -1,7 +1,6 @@
 // The numbers of Newton's method. None of them decides whether a result is right: every step is checked, and every
 // result has its residual and its certificate. They decide how long a solve takes, and whether it stalls.
-// bench/steering.md says what each is worth, and bench/steering.py measures it again. "guard": a bound of a loop that no
-// mesh of the corpus reaches.
+// bench/steering.md says what each is worth, bench/steering.py measures it. "guard": no mesh reaches this bound.
 #pragma once
 
 #include <cstddef>
