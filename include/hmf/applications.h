@@ -402,45 +402,49 @@ typedef struct hmf_form_set {
     uint64_t edge_count;         /* of the level */
     const double *values;        /* n x edge_count: the integral of form i along edge e, from the first vertex of the
                                     edge to the second (edge_vertices of hmf_level) */
-    const int32_t *intersections; /* n x n: the integral of form i ^ form j over the surface: 1 for a[k], b[k], -1 for
-                                    b[k], a[k], else 0 */
-    const double *inner_products; /* n x n: <form i, form j>, symmetric and positive definite; the diagonal has the
-                                    Dirichlet energies */
+    const int32_t *intersections; /* n x n: the integral of form i ^ form j over the surface: 1 at (a[k], b[k]), -1 at
+                                    (b[k], a[k]), else 0 */
+    const double *inner_products; /* n x n: <form i, form j>, symmetric and positive definite; the diagonal contains
+                                    the Dirichlet energies */
     const double *conjugation;   /* n x n: *form j = sum over i of entry (i, j) times form i, up to discretization; *
                                     turns a form by 90 degrees counter-clockwise */
     const double *period_real;   /* genus x genus, symmetric */
     const double *period_imaginary; /* genus x genus, symmetric and positive definite */
     double residual;             /* largest of all forms: divergence at the vertices, relative to the sum of absolute
                                     fluxes (root mean squares); at most 1e-8 */
-    double conjugation_error;    /* largest absolute entry of conjugation^2 + identity; falls with the size of the
-                                    triangles */
+    double conjugation_error;    /* largest absolute entry of conjugation^2 + identity; decreases as the triangles
+                                    become smaller; depends on the basis */
 } hmf_form_set;
 
 /*
  * Computes a basis of the harmonic 1-forms of a closed surface.  A form is one number per
  * edge; in each triangle the three numbers add up to exactly 0 (closed), and the numbers
  * along a closed path of edges add up to an integer, its period.  Among all closed forms with
- * the same periods, each form has the least energy (harmonic).  Forms, inner products and
- * periods do not depend on marked vertices.
+ * the same periods, each form has the least energy (harmonic), up to the solver and rounding.
+ * On level 0 energy, inner products and residual are those of the intrinsic Delaunay
+ * triangulation, where the forms are computed; the weights of hmf_level are those of your
+ * triangles.  Marked vertices do not change the space of harmonic forms, but may change the
+ * basis.
  *
  * With p = period_real + i period_imaginary, the forms a[k] + sum over j of p(k, j) b[j] are
  * holomorphic up to discretization, and p is the period matrix of the Riemann surface for
- * this basis: that of the conjugation nearest to the one returned whose square is exactly -1.
- * Another basis, for instance on another level, has another period matrix; an integer
- * symplectic matrix leads from one to the other.
+ * this basis.  It is computed from J (-J^2)^(-1/2), where J is the conjugation; the square of
+ * this matrix is exactly -1.  Another basis, for instance on another level, has another period
+ * matrix; an integer symplectic matrix leads from one basis to the other.
  *
  *   hierarchy   a closed surface; of genus 0 it has no forms, and all arrays are empty
  *   level       0 to level_count - 1
- *   control     NULL, or threads, progress and limits
+ *   control     NULL, or threads, progress and cancellation
  *   out         free with hmf_free
  *
- * Returns HMF_OK, HMF_CANCELLED, an error of classes 100, 200, 500, HMF_ERROR_LEVEL, or
- * HMF_ERROR_UNSUPPORTED: the surface has boundary, the linear systems could not be solved
- * accurately enough, or the canonical basis needs integers above 2^20.
+ * Returns HMF_OK, HMF_CANCELLED, an error of classes 100, 200, or HMF_ERROR_MESH_BOUNDARY.
+ * HMF_ERROR_UNSUPPORTED: the linear systems could not be solved accurately enough, because of
+ * very thin triangles.
  *
  * Before the result is returned it is checked: each form is closed in every triangle, its
  * integrals with the basis are the integers above, both exactly, and residual is at most 1e-8.
- * Memory: 8 bytes for each form and edge, and what one solve of a foliation needs.
+ * Memory: 8 bytes for each form and edge, some 50 for each pair of forms, and what one solve
+ * of a foliation needs.
  * Source: Gu and Yau, "Global conformal surface parameterization" (2003); docs/mathematics.md.
  */
 HMF_API hmf_status hmf_harmonic_forms(const hmf_hierarchy *hierarchy, size_t level, const hmf_control *control,

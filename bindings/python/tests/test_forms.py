@@ -38,5 +38,5 @@ def test_errors(hierarchy: foliations.Hierarchy) -> None:
     positions, triangles = hierarchy.levels[0].positions, hierarchy.levels[0].triangles
     with pytest.warns(foliations.MeshWarning):
         opened = foliations.Hierarchy(positions, triangles[1:])
-    with pytest.raises(foliations.UnsupportedError, match="boundar"):
+    with pytest.raises(foliations.MeshError, match="boundary"):
         opened.harmonic_forms()

@@ -32,9 +32,9 @@ extern "C" hmf_status hmf_harmonic_forms(const hmf_hierarchy* hierarchy, size_t 
     if (entry.check(hierarchy, out) || check_level(*hierarchy, level, call)) return call.status();
     const hmf_hierarchy& h = *hierarchy;
     if (h.is_double())
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "The surface has %u boundaries; harmonic forms are computed on closed surfaces. Close it.",
-                         static_cast<unsigned>(h.boundary_count));
+        return call.fail(
+            HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_NONE, 0,
+            "The surface has a boundary. Harmonic forms are computed on closed surfaces; close the holes.");
     Array<uint32_t> half_edge;
     if (!directed_edges(h, level, half_edge, call)) return call.stopped();
     const size_t g = h.genus, n = 2 * g;

@@ -8,79 +8,51 @@ namespace hmf {
 
 namespace {
 
-// Larger numbers in the basis could make sums of products overflow.
-constexpr int64_t LARGEST_COEFFICIENT = int64_t{1} << 20;
-
 // The value along a half-edge.
 int64_t along(const int64_t* value, uint32_t h) { return h & 1 ? -value[edge_of(h)] : value[edge_of(h)]; }
 
-// Rows of a skew symmetric matrix of integers with determinant 1 are combined until it is canonical.
+// Rows of the skew symmetric matrix of products are combined until it is canonical.  All principal minors are 0 or 1:
+// the curves meet in one polygon, and a part of them cuts it into one disk or does not.  So every product that remains
+// is -1, 0 or 1, and every row has a partner.
 class CanonicalBasis {
 public:
     CanonicalBasis(uint32_t count, Array<int64_t>& row, Array<int64_t>& product, Call& call) :
         count_(count), row_(row), product_(product), call_(call) {}
 
-    // False: numbers become too large, or the call is cancelled.
-    bool run(Array<uint32_t>& order) {
+    // order: pairs of rows with product 1.
+    hmf_status run(Array<uint32_t>& order) {
         for (uint32_t first = 0; first < count_; first += 2) {
-            uint32_t a = 0, b = 0;
-            find_pair(order, first, a, b);
-            // The least product of a pair divides the others at the end of this loop, so that it is 1.
-            while (magnitude(order[a], order[b]) != 1) {
-                if (!divide(order, first, a, b)) return false;
-                find_pair(order, first, a, b);
+            uint32_t partner = first + 1;
+            while (partner < count_ && at(order[first], order[partner]) == 0) ++partner;
+            const int64_t product = partner < count_ ? at(order[first], order[partner]) : 0;
+            if (product != 1 && product != -1)
+                return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                                  "A closed form has no partner with the product 1. Please report it.");
+            std::swap(order[first + 1], order[partner]);
+            if (product < 0) std::swap(order[first], order[first + 1]);
+            const uint32_t a = order[first], b = order[first + 1];
+            for (uint32_t k = first + 2; k < count_; ++k) {
+                if (!call_.work(8 * count_)) return call_.was_cancelled();
+                const uint32_t i = order[k];
+                add(i, a, -at(i, b)); // then the product with b is 0, and with b's multiple the one with a
+                add(i, b, at(i, a));
             }
-            std::swap(order[first], order[a]);
-            std::swap(order[first + 1], order[b]);
-            if (at(order[first], order[first + 1]) < 0) std::swap(order[first], order[first + 1]);
-            for (uint32_t k = first + 2; k < count_; ++k)
-                if (!separate(order[k], order[first], order[first + 1])) return false;
         }
-        return true;
+        return HMF_OK;
     }
 
 private:
     int64_t& at(uint32_t i, uint32_t j) { return product_[size_t{count_} * i + j]; }
-    int64_t magnitude(uint32_t i, uint32_t j) { return at(i, j) < 0 ? -at(i, j) : at(i, j); }
-
-    // The places of the rows with the least product that is not 0.
-    void find_pair(const Array<uint32_t>& order, uint32_t first, uint32_t& a, uint32_t& b) {
-        int64_t least = INT64_MAX;
-        for (uint32_t i = first; i < count_ && least > 1; ++i)
-            for (uint32_t j = i + 1; j < count_ && least > 1; ++j) {
-                const int64_t here = magnitude(order[i], order[j]);
-                if (here == 0 || here >= least) continue;
-                least = here;
-                a = i;
-                b = j;
-            }
-    }
     // row i += factor * row j, and the products with it.
-    bool add(uint32_t i, uint32_t j, int64_t factor) {
-        if (factor == 0) return true;
-        if (factor > LARGEST_COEFFICIENT || factor < -LARGEST_COEFFICIENT || !call_.work(4 * count_)) return false;
-        int64_t largest = 0;
+    void add(uint32_t i, uint32_t j, int64_t factor) {
+        if (factor == 0) return;
         for (uint32_t k = 0; k < count_; ++k) {
             row_[size_t{count_} * i + k] += factor * row_[size_t{count_} * j + k];
             at(i, k) += factor * at(j, k);
-            largest =
-                std::max({largest, row_[size_t{count_} * i + k], -row_[size_t{count_} * i + k], at(i, k), -at(i, k)});
         }
         for (uint32_t k = 0; k < count_; ++k) at(k, i) = -at(i, k);
         at(i, i) = 0;
-        return largest <= LARGEST_COEFFICIENT;
     }
-    // Remainders of the products with a and b, by the product of both.
-    bool divide(const Array<uint32_t>& order, uint32_t first, uint32_t a, uint32_t b) {
-        const uint32_t i = order[a], j = order[b];
-        for (uint32_t k = first; k < count_; ++k)
-            if (k != a && k != b
-                && (!add(order[k], i, -at(order[k], j) / at(i, j)) || !add(order[k], j, at(order[k], i) / at(i, j))))
-                return false;
-        return true;
-    }
-    // Row i without products with a and b, whose product is 1.
-    bool separate(uint32_t i, uint32_t a, uint32_t b) { return add(i, a, -at(i, b)) && add(i, b, at(i, a)); }
 
     const uint32_t count_;
     Array<int64_t>&row_, &product_;
@@ -128,7 +100,7 @@ Done ClosedForms::find_curves(Call& call) {
         }
         for (size_t n = back.size(); n-- > 0;)
             if (!crossed_.push(back[n])) return false;
-        if (!offset_.push(static_cast<uint32_t>(crossed_.size()))) return false;
+        if (!offset_.push(crossed_.size())) return false;
     }
     count_ = static_cast<uint32_t>(offset_.size() - 1);
     return true;
@@ -138,7 +110,7 @@ Done ClosedForms::find_curves(Call& call) {
 // integral of two linear forms over a triangle with sides e, next e is half of the determinant of their values on both.
 int64_t ClosedForms::intersection_with_curve(const int64_t* value, uint32_t curve) const {
     uint64_t twice = 0; // sums may be large on the way
-    for (uint32_t n = offset_[curve]; n < offset_[curve + 1]; ++n) {
+    for (uint64_t n = offset_[curve]; n < offset_[curve + 1]; ++n) {
         const uint32_t h = twin(crossed_[n]), g = crossed_[n + 1 == offset_[curve + 1] ? offset_[curve] : n + 1];
         const int64_t at_h = along(value, h), at_g = along(value, g);
         twice += static_cast<uint64_t>(mesh_->next[h] == g ? at_h + at_g : -at_h - at_g);
@@ -157,18 +129,14 @@ hmf_status ClosedForms::make_canonical(Call& call) {
     for (uint32_t i = 0; i < count_; ++i) {
         order[i] = i;
         unordered[size_t{count_} * i + i] = 1;
-        for (uint32_t n = offset_[i]; n < offset_[i + 1]; ++n) value[edge_of(crossed_[n])] += crossed_[n] & 1 ? -1 : 1;
+        for (uint64_t n = offset_[i]; n < offset_[i + 1]; ++n) value[edge_of(crossed_[n])] += crossed_[n] & 1 ? -1 : 1;
         for (uint32_t j = 0; j < count_; ++j) {
             product[size_t{count_} * i + j] = intersection_with_curve(value.data(), j);
             if (!call.work(4 * uint64_t{offset_[j + 1] - offset_[j]})) return call.was_cancelled();
         }
-        for (uint32_t n = offset_[i]; n < offset_[i + 1]; ++n) value[edge_of(crossed_[n])] = 0;
+        for (uint64_t n = offset_[i]; n < offset_[i + 1]; ++n) value[edge_of(crossed_[n])] = 0;
     }
-    if (!CanonicalBasis(count_, unordered, product, call).run(order))
-        return call.cancelled()
-                 ? call.was_cancelled()
-                 : call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                             "A canonical basis of the forms needs integers above 2^20. Use a coarser level.");
+    if (CanonicalBasis(count_, unordered, product, call).run(order)) return call.status();
     for (uint32_t i = 0; i < count_; ++i) { // pairs, to the first and the second half
         const int64_t* const from = &unordered[size_t{count_} * order[i]];
         std::copy(from, from + count_, &row_[size_t{count_} * (i % 2 * (count_ / 2) + i / 2)]);
@@ -185,7 +153,7 @@ hmf_status ClosedForms::build(const Mesh& mesh, Call& call) {
 void ClosedForms::add(uint32_t i, int64_t unit, int64_t* value) const {
     for (uint32_t curve = 0; curve < count_; ++curve) {
         const int64_t factor = row_[size_t{count_} * i + curve] * unit;
-        for (uint32_t n = offset_[curve]; n < offset_[curve + 1] && factor != 0; ++n)
+        for (uint64_t n = offset_[curve]; n < offset_[curve + 1] && factor != 0; ++n)
             value[edge_of(crossed_[n])] += crossed_[n] & 1 ? -factor : factor;
     }
 }
@@ -207,7 +175,7 @@ Done ClosedForms::sum_rows(T* sum, Memory& memory, OfCurve of_curve) const {
 Done ClosedForms::products(const double* weight, const int64_t* other, double* sum, Memory& memory) const {
     return sum_rows(sum, memory, [&](uint32_t curve) {
         double product = 0;
-        for (uint32_t n = offset_[curve]; n < offset_[curve + 1]; ++n)
+        for (uint64_t n = offset_[curve]; n < offset_[curve + 1]; ++n)
             product += weight[edge_of(crossed_[n])] * static_cast<double>(along(other, crossed_[n]));
         return product;
     });

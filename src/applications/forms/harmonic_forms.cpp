@@ -19,7 +19,7 @@ constexpr double LARGEST_RESIDUAL = 1e-8;
 
 double in_periods(int64_t value) { return static_cast<double>(value) * (1.0 / (int64_t{1} << PERIOD_BITS)); }
 
-// The two half-edges whose values add up to that of 2 * edge before a flip.
+// The two half-edges whose values add up to minus that of 2 * edge before a flip.
 struct Unflip {
     uint32_t edge, first, second;
 };
@@ -127,15 +127,18 @@ private:
             form_.value[at.edge] = -form_.at(bundle_, at.first) - form_.at(bundle_, at.second);
         const Mesh& mesh = level_ == 0 ? h_.input : mesh_;
         const int64_t largest = int64_t{1} << 53;
-        uint64_t wrong = 0;
-        for (const int64_t value : form_.value) wrong += value > largest || value < -largest;
+        uint64_t open = 0, large = 0;
+        for (const int64_t value : form_.value) large += value > largest || value < -largest;
         for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t a, uint32_t b, uint32_t c) {
-            wrong += form_.at(bundle_, a) + form_.at(bundle_, b) + form_.at(bundle_, c) != 0;
+            open += form_.at(bundle_, a) + form_.at(bundle_, b) + form_.at(bundle_, c) != 0;
         });
-        if (wrong > 0)
+        if (large > 0)
+            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                              "Form %u has values above 2048 periods. Improve the worst triangles of the mesh.", i);
+        if (open > 0)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                               "Form %u is not closed in %llu triangles. Please report it.", i,
-                              static_cast<unsigned long long>(wrong));
+                              static_cast<unsigned long long>(open));
         double* const to = out_.values + half_edge_.size() * i;
         for (size_t e = 0; e < half_edge_.size(); ++e) to[e] = in_periods(form_.at(bundle_, half_edge_[e]));
         return call_.tick(1) ? HMF_OK : call_.was_cancelled();
@@ -146,17 +149,22 @@ private:
     // Conjugation and period matrix, see the header.
     hmf_status find_periods() {
         const size_t n = classes_.count(), g = n / 2;
+        for (size_t i = 0; i < n; ++i) // equal up to the residual of the forms
+            for (size_t j = 0; j < i; ++j)
+                out_.inner_products[n * i + j] = out_.inner_products[n * j + i] = 0.5 * (inner(i, j) + inner(j, i));
         for (size_t j = 0; j < n; ++j)
             for (size_t i = 0; i < g; ++i) {
                 out_.conjugation[n * i + j] = -inner(i + g, j);
                 out_.conjugation[n * (i + g) + j] = inner(i, j);
             }
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; ++i) {
+            if (!call_.work(n * n)) return call_.was_cancelled();
             for (size_t j = 0; j < n; ++j) {
                 double square = i == j ? 1 : 0;
                 for (size_t k = 0; k < n; ++k) square += out_.conjugation[n * i + k] * out_.conjugation[n * k + j];
                 out_.conjugation_error = std::max(out_.conjugation_error, std::fabs(square));
             }
+        }
         Array<double> mean, factor;
         if (!mean.allocate(call_.memory, n * n) || !factor.allocate(call_.memory, n * n)) return call_.out_of_memory();
         std::copy(out_.inner_products, out_.inner_products + n * n, mean.begin());
@@ -164,6 +172,8 @@ private:
         for (size_t i = 0; i < g; ++i)
             for (size_t j = 0; j < g; ++j) factor[g * i + j] = mean[n * (i + g) + j + g];
         if (!invert(factor.data(), g, out_.period_imaginary)) return not_positive();
+        for (size_t i = 0; i < g; ++i)
+            for (size_t j = 0; j < i; ++j) out_.period_imaginary[g * j + i] = out_.period_imaginary[g * i + j];
         for (size_t i = 0; i < g; ++i)
             for (size_t j = 0; j <= i; ++j) {
                 double sum = 0;
@@ -173,15 +183,15 @@ private:
         return HMF_OK;
     }
 
-    // M = (M + S M^-1 S^T) / 2 until both are equal.
+    // M = (M + S M^-1 S^T) / 2 until rounding stops the difference of both from falling.
     hmf_status make_complex(double* matrix, Array<double>& factor) {
-        constexpr uint32_t most_steps = 64;
-        constexpr double enough = 1e-14;
+        constexpr uint32_t most_steps = 64; // about five do
+        constexpr double enough = 1e-8;
         const size_t n = classes_.count(), g = n / 2;
         Array<double> inverse;
         if (!inverse.allocate(call_.memory, n * n)) return call_.out_of_memory();
+        double before = HUGE_VAL;
         for (uint32_t step = 0; step < most_steps; ++step) {
-            if (!call_.tick(1)) return call_.was_cancelled();
             std::copy(matrix, matrix + n * n, factor.begin());
             if (!invert(factor.data(), n, inverse.data())) return not_positive();
             double change = 0, size = 0;
@@ -193,28 +203,34 @@ private:
                     size = std::max(size, std::fabs(here));
                     factor[n * i + j] = 0.5 * (here + turned);
                 }
+            if (change >= before && change <= enough * size) return HMF_OK;
             std::copy(factor.begin(), factor.end(), matrix);
-            if (change <= enough * size) break;
+            before = change;
         }
-        return HMF_OK;
+        return not_positive();
     }
 
+    // Also where the call was cancelled.
     hmf_status not_positive() {
+        if (call_.cancelled()) return call_.was_cancelled();
         return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                           "The inner products of the forms are not positive. Please report it.");
     }
 
-    // Of a symmetric positive matrix, which becomes its factor [Cholesky].
-    static bool invert(double* matrix, size_t n, double* inverse) {
-        for (size_t i = 0; i < n; ++i)
+    // Of a symmetric positive matrix, which becomes its factor (Cholesky); false: it is not, or the call was cancelled.
+    bool invert(double* matrix, size_t n, double* inverse) {
+        for (size_t i = 0; i < n; ++i) {
+            if (!call_.work(n * n)) return false;
             for (size_t j = 0; j <= i; ++j) {
                 double sum = matrix[n * i + j];
                 for (size_t k = 0; k < j; ++k) sum -= matrix[n * i + k] * matrix[n * j + k];
                 if (i == j && !(sum > 0)) return false;
                 matrix[n * i + j] = i == j ? std::sqrt(sum) : sum / matrix[n * j + j];
             }
+        }
         for (size_t c = 0; c < n; ++c) {
             double* const column = inverse + n * c; // the inverse is symmetric
+            if (!call_.work(2 * n * n)) return false;
             for (size_t i = 0; i < n; ++i) {
                 double sum = i == c ? 1 : 0;
                 for (size_t k = 0; k < i; ++k) sum -= matrix[n * i + k] * column[k];

@@ -3,7 +3,7 @@
 // solver and the rounding.
 //
 //     closed_forms     a canonical basis of the classes, a[i] and b[i]
-//        |  twisted Laplacian without twist: form += d(w)
+//        |  Laplacian (the twisted one with a trivial sign bundle): form += d(w)
 //        v
 //     harmonic form on the triangulation where it is solved
 //        |  flips reversed: a side is minus the sum of the two others
@@ -23,7 +23,7 @@
 
 namespace hmf {
 
-// Room for what is found, of n = 2 genus forms.
+// Output arrays, for n = 2 genus forms.
 struct HarmonicForms {
     double* values;                         // n x edges
     int32_t* intersections;                 // n x n: integrals of the products

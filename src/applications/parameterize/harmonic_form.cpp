@@ -99,8 +99,8 @@ hmf_status TwistedLaplacian::find_w(double relative, Call& call) {
     if (!factor.build(matrix(), call)) return call.stopped();
     if (factor.empty())
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "The equations of (u, v) were solved to %.1g instead of %.1g. Improve the worst triangles "
-                         "of the mesh.",
+                         "Linear equations were solved to %.1g instead of %.1g. Improve the worst triangles of the "
+                         "mesh.",
                          result.residual, relative);
     factor.solve(right_.data(), w_.data());
     return HMF_OK;

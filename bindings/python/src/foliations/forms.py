@@ -23,10 +23,10 @@ class HarmonicForms:
     """
 
     values: Floats  #: (n, edge_count) float64: integral of each form along each edge, from its first vertex to its second
-    intersections: NDArray[np.int32]  #: (n, n): integral of form i ^ form j; 1 for a[k], b[k], -1 for b[k], a[k], else 0
+    intersections: NDArray[np.int32]  #: (n, n): integral of form i ^ form j: 1 at (a[k], b[k]), -1 at (b[k], a[k]), else 0
     inner_products: Floats  #: (n, n): of the forms, symmetric and positive definite
-    conjugation: Floats  #: (n, n): the conjugate of form j is the sum over i of entry (i, j) times form i
-    period_matrix: NDArray[np.complex128]  #: (genus, genus): symmetric, with positive definite imaginary part
+    conjugation: Floats  #: (n, n): the conjugate of form j is the sum of entry (i, j) times form i, up to discretization
+    period_matrix: NDArray[np.complex128]  #: (genus, genus) p: symmetric; a[k] + the sum of p[k, j] b[j] is holomorphic
     residual: float  #: largest divergence at the vertices, relative to the fluxes; at most 1e-8
     conjugation_error: float  #: largest absolute entry of conjugation^2 + identity
 
@@ -57,8 +57,10 @@ def harmonic_forms(hierarchy: Hierarchy, level: int = 0, *, progress: ProgressOp
 
     Raises
     ------
+    MeshError
+        The surface has a boundary.
     UnsupportedError
-        The surface has a boundary, or the linear systems could not be solved accurately enough.
+        The linear systems could not be solved accurately enough.
     LevelError
         There is no such level.
     """

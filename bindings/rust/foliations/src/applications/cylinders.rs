@@ -77,6 +77,7 @@ impl Foliation {
             unsafe { (slice(block.twists, block.count), slice(block.corner_offsets, 2 * block.count + 1)) };
         let corners = corner_offsets[corner_offsets.len() - 1];
         let (vertices, places) =
+            // SAFETY: as above.
             unsafe { (slice(block.corner_vertices, corners), slice(block.corner_places, corners)) };
         Ok(Cylinders {
             list: list.iter().map(Read::read).collect(),

@@ -86,8 +86,8 @@ impl Hierarchy {
     ///
     /// # Errors
     ///
-    /// [`Status::ERROR_UNSUPPORTED`] with boundary, or if the linear systems could not be solved
-    /// accurately enough; [`Status::ERROR_LEVEL`]; [`Status::CANCELLED`]; classes 100, 200, 500.
+    /// [`Status::ERROR_MESH_BOUNDARY`]; [`Status::ERROR_UNSUPPORTED`] if the linear systems could not
+    /// be solved accurately enough; [`Status::ERROR_LEVEL`]; [`Status::CANCELLED`]; classes 100, 200.
     pub fn harmonic_forms(&self, level: usize) -> Result<HarmonicForms> {
         // SAFETY: the handle is valid.
         let block =
