@@ -1,4 +1,4 @@
-"""A basis of the harmonic 1-forms beside sparse Cholesky, which global parameterization uses today."""
+"""A basis of the harmonic 1-forms beside sparse Cholesky, the usual basis of global parameterization."""
 from . import jobs, shapes
 from .runs import of
 

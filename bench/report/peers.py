@@ -203,7 +203,7 @@ def write(document, rows):
     document.heading("Peers")
     document.text("One linear solve of the cotangent Laplacian by other libraries beside the whole nonlinear job of "
                   "hmf, both to 1e-8; processor seconds of one thread. Ratios are taken within one repetition. A basis "
-                  "of harmonic 1-forms, which global parameterization uses today, is one factorization and a solve for "
+                  "of harmonic 1-forms, the usual basis of global parameterization, is one factorization and a solve for "
                   "each of 2 * genus forms; its integer start is not counted.")
     hmf = {(row["mesh"], row["repetition"]): row for row in of(rows, "job") if "repetition" in row}
     table, ratios = [], []
