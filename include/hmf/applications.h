@@ -607,10 +607,11 @@ typedef struct hmf_cylinder_set {
  * counter-clockwise order, ends at the lowest vertex, on the triangulation where the foliation
  * is solved.  The first side of the cylinder is the one with the lower base.  The twist is the
  * distance, along the leaves, from the point opposite to the base of the first side to the
- * base of the second side, in the direction that has the second side on the right.  Twists
- * near 0 and near the circumference are the same up to rounding.  Corners are listed side by
- * side, in this direction, the base first.  The place of a corner is its distance from the
- * base of the first side, so the twist is the place of the base of the second side.  For
+ * base of the second side, in the direction that has the second side on the right.  It is
+ * modulo the circumference: a Dehn twist about the loop of the cylinder does not change it, and
+ * twists near 0 and near the circumference are the same up to rounding.  Corners are listed
+ * side by side, in this direction, the base first.  The place of a corner is its distance from
+ * the base of the first side, so the twist is the place of the base of the second side.  For
  * other bases subtract their places.  Both sides of a critical leaf are equally long, except
  * beside a vertex of even order, where they are up to discretization.
  *

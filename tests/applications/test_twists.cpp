@@ -63,6 +63,21 @@ struct FlatTorus {
         return values;
     }
 
+    // Vertices of a simple path from a corner to itself, m rows up and `steps` corners along them.
+    std::vector<uint32_t> staircase(int steps) const {
+        std::vector<uint32_t> path;
+        const int rows = static_cast<int>(m), sense = steps < 0 ? -1 : 1;
+        for (int j = 0, i = 0; j < rows; ++j) {
+            for (; i != steps * (j + 1) / rows; i += sense) path.push_back(corner_at(i, j));
+            path.push_back(corner_at(i, j));
+        }
+        return path;
+    }
+    uint32_t corner_at(int i, int j) const {
+        const int row = static_cast<int>(n);
+        return corner(static_cast<size_t>((i % row + row) % row), static_cast<size_t>(j));
+    }
+
     // Through the first row, below the centers or above them.
     void add_row(Loops& loops, bool above) const {
         std::vector<uint32_t> strip;
@@ -143,6 +158,32 @@ TEST(Twists, OfFlatTori) {
                 EXPECT_EQ(set->corner_offsets[2], 0u);
             }
         }
+}
+
+// A Dehn twist about the loop of a cylinder adds its circumference to the twist, which is modulo the circumference and
+// so stays the same.  Dehn twists about a curve that crosses the loop make other loops of it: on a flat torus their
+// twists have a closed form.
+TEST(Twists, AfterDehnTwists) {
+    for (const double a : {1.0, 0.75})
+        for (const size_t shift : {0, 2, 10})
+            for (const int turns : {-2, -1, 0, 1, 2}) {
+                SCOPED_TRACE(testing::Message() << a << " " << shift << " " << turns);
+                const FlatTorus torus{12, 8, shift, a};
+                const Hierarchy hierarchy(torus.mesh(), 0, 1000);
+                ASSERT_TRUE(hierarchy);
+                // Once up and `turns` times around a row.
+                const int steps = 12 * turns - static_cast<int>(shift);
+                Loops loops;
+                loops.kind = HMF_PATH_VERTICES;
+                loops.add(torus.staircase(steps));
+                const double x = a * steps, y = 8, length = std::sqrt(x * x + y * y), height = 12 * a * y / length;
+                loops.weights = {height};
+                const auto set = cylinders_of(hierarchy, loops);
+                ASSERT_TRUE(set);
+                ASSERT_EQ(set->count, 1u);
+                EXPECT_NEAR(set->list[0].circumference, length, 1e-6 * length);
+                expect_equal_places(set->twists[0], 12 * a * x / length, length);
+            }
 }
 
 // Two marked vertices, between which there are two cylinders.
@@ -294,6 +335,102 @@ TEST(Twists, OfEveryHierarchy) {
     EXPECT_GE(in_triangles, 1u);
     EXPECT_GE(most_corners, 3u);
     EXPECT_GE(odd_cases, 2u);
+}
+
+namespace {
+
+// The same loops after subdivide: along the vertex with the lowest number of each edge that they cross.
+Loops refined(const Loops& loops, const TriMesh& mesh) {
+    Loops fine;
+    for (size_t c = 0; c < loops.count(); ++c) {
+        const std::vector<uint32_t> loop(&loops.elements[loops.offsets[c]], &loops.elements[loops.offsets[c + 1]]);
+        std::vector<uint32_t> shared, made; // with the next triangle
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const uint32_t *t = &mesh.triangles[size_t{3} * loop[i]],
+                           *next = &mesh.triangles[size_t{3} * loop[(i + 1) % loop.size()]];
+            uint32_t lowest = UINT32_MAX, common = 0;
+            for (size_t k = 0; k < 3; ++k)
+                if (std::count(next, next + 3, t[k])) {
+                    ++common;
+                    lowest = std::min(lowest, t[k]);
+                }
+            EXPECT_EQ(common, 2u);
+            shared.push_back(lowest);
+        }
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const uint32_t* const t = &mesh.triangles[size_t{3} * loop[i]];
+            const auto child = [&](uint32_t v) {
+                return static_cast<uint32_t>(4 * loop[i] + (std::find(t, t + 3, v) - t));
+            };
+            const uint32_t from = shared[(i + loop.size() - 1) % loop.size()], to = shared[i];
+            made.push_back(child(from));
+            if (from != to) made.insert(made.end(), {4 * loop[i] + 3, child(to)});
+        }
+        fine.add(made);
+    }
+    fine.weights = loops.weights;
+    return fine;
+}
+
+// How far corners of cylinder c of `set` and d of `found` lie apart, as a part of the circumference: from each the
+// nearest one on the same side there, with the best choice of the base and of the first side.
+double corner_distance(const Cylinders& set, size_t c, const Cylinders& found, size_t d) {
+    const Side here[2] = {side_of(set, c, 0), side_of(set, c, 1)},
+               there[2] = {side_of(found, d, 0), side_of(found, d, 1)};
+    const double whole = set->list[c].circumference, whole_there = found->list[d].circumference;
+    double best = 1;
+    for (const size_t swapped : {0, 1})
+        for (const double base : here[swapped].places) {
+            double worst = 0;
+            for (size_t k = 0; k < 2; ++k) {
+                std::vector<double> moved, fixed;
+                for (const double place : here[k ^ swapped].places)
+                    moved.push_back((swapped ? base - place : place - base) / whole);
+                for (const double place : there[k].places) fixed.push_back(place / whole_there);
+                for (const auto& [from, to] : {std::pair(moved, fixed), std::pair(fixed, moved)})
+                    for (const double place : from) {
+                        double nearest = 1;
+                        for (const double other : to)
+                            nearest = std::min(nearest, std::fabs(std::remainder(place - other, 1)));
+                        worst = std::max(worst, nearest);
+                    }
+            }
+            best = std::min(best, worst);
+        }
+    return best;
+}
+
+} // namespace
+
+// Each triangle in four: the same surface, whose corners all come closer to where they are in the limit, of first order
+// or higher.
+TEST(Twists, OfRefinedMeshes) {
+    for (const size_t genus : {2, 3})
+        for (const int32_t kind : {HMF_LOOPS_PANTS, HMF_LOOPS_CUT}) {
+            SCOPED_TRACE(testing::Message() << genus << " " << kind);
+            TriMesh mesh = uneven(pretzel(genus, 2));
+            Loops loops = library_loops(Hierarchy(mesh), 0, kind);
+            for (size_t c = 0; c < loops.count(); ++c) loops.weights.push_back(1 + 0.75 * static_cast<double>(c));
+            std::vector<Cylinders> sets;
+            for (int k = 0; k < 3; ++k) {
+                if (k > 0) {
+                    loops = refined(loops, mesh);
+                    mesh = subdivide(mesh);
+                }
+                sets.push_back(cylinders_of(Hierarchy(mesh), loops));
+                ASSERT_TRUE(sets.back());
+                ASSERT_EQ(sets.back()->count, sets.front()->count);
+            }
+            double worst[2] = {0, 0};
+            for (size_t k = 0; k < 2; ++k)
+                for (size_t c = 0; c < sets[k]->count; ++c) {
+                    size_t d = 0;
+                    while (sets[k + 1]->list[d].loop != sets[k]->list[c].loop) ++d;
+                    worst[k] = std::max(worst[k], corner_distance(sets[k], c, sets[k + 1], d));
+                }
+            EXPECT_LT(2 * worst[1], worst[0]);
+            EXPECT_LT(worst[0], 0.005);
+        }
 }
 
 namespace {
