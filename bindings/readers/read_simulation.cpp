@@ -14,6 +14,13 @@ namespace readers {
 
 namespace {
 
+// Of a variant that meshio knows.
+std::string in_python(const char* variant) {
+    return std::string(variant)
+         + " is not read here; save it as text, or convert it: the Python package reads it if "
+           "meshio is installed";
+}
+
 class SimulationReader {
 public:
     explicit SimulationReader(std::string_view text) : text_(text) {}
@@ -100,7 +107,7 @@ public:
             const std::string_view word = take_word("a section");
             if (word == "$MeshFormat") {
                 version_ = take_real("a version");
-                if (take_whole("a kind of file") != 0) text_.fail("binary .msh is not read; save it as text");
+                if (take_whole("a kind of file") != 0) text_.fail(in_python("binary .msh"));
                 if (version_ >= 4 && version_ < 4.1)
                     text_.fail("version 4.0 is not read; save it as version 4.1 or 2.2");
             } else if (word == "$Nodes") read_nodes();
@@ -184,7 +191,8 @@ public:
         for (int line = 0; line < 2 && !text_.at_end(); ++line) text_.next_line();
         const std::string_view kind = take_word("ASCII or BINARY");
         if (kind != "ASCII")
-            text_.fail("only legacy VTK as text is read, and this is " + in_quotes(kind) + "; save it as ASCII");
+            text_.fail(kind == "BINARY" ? in_python("binary .vtk")
+                                        : in_quotes(kind) + " is no kind of legacy VTK; save it as ASCII");
         std::vector<Cell> polygons, cells;
         while (next()) {
             const std::string_view word = take_word("a keyword");

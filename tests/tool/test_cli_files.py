@@ -260,7 +260,9 @@ class Formats(Case):
             for part in range(1, 10):
                 cut = "\n".join(lines[: len(lines) * part // 10])
                 self.assertNotEqual(self.run_any("info", self.write(name, cut))[0], 1)
-        for name, text, says in (("a.msh", "$MeshFormat\n4.1 1 8\n", "binary .msh"), ("a.vtk", "# vtk DataFile Version 3.0\nt\nBINARY\n", "save it as ASCII"),
+        for name, text, says in (("a.msh", "$MeshFormat\n4.1 1 8\n", "binary .msh is not read here; save it as text, or convert it: the Python package"),
+                                 ("a.vtk", "# vtk DataFile Version 3.0\nt\nBINARY\n", "binary .vtk is not read here; save it as text, or convert it: the Python package"),
+                                 ("a.vtk", "# vtk DataFile Version 3.0\nt\nHEX\n", "save it as ASCII"),
                                  ("a.vtk", "\n".join(head) + "\nPOLYGONS 1 4\n3 0 1 %d\n" % n, ":%d: a cell names vertex %d" % (len(head) + 2, n)),
                                  ("a.mesh", "Vertices\n1\n0 0 0 0\nTriangles\n1\n1 2 0 0\n", ":6: a cell names vertex 2")):
             self.refused(3, "info", self.write(name, text), says=[says])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import struct
+import sys
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -236,14 +238,56 @@ def test_broken_bytes_never_surprise(pretzel: Mesh, tmp_path: Path) -> None:
 
 
 def test_other_formats(pretzel: Mesh, tmp_path: Path) -> None:
+    """What other packages read, packed or not; without them the sentence of the library, and what to install."""
     trimesh, meshio = pytest.importorskip("trimesh"), pytest.importorskip("meshio")
     trimesh.Trimesh(*pretzel, process=False).export(tmp_path / "a.glb")
-    meshio.Mesh(pretzel[0], [("triangle", pretzel[1].astype(int))]).write(tmp_path / "a.vtk")
-    for name in ("a.glb", "a.vtk"):
-        same(read_mesh(tmp_path / name), pretzel, 1e-6)
+    other = meshio.Mesh(pretzel[0], [("triangle", pretzel[1].astype(int))])
+    other.write(tmp_path / "a.vtk", binary=False)
+    elsewhere = ["b.vtk", "b.msh", "b.vtu"]
+    meshio.write(tmp_path / "b.vtk", other, file_format="vtk", binary=True)
+    meshio.write(tmp_path / "b.msh", other, file_format="gmsh", binary=True)
+    meshio.write(tmp_path / "b.vtu", other)
+    with suppress(ImportError, ValueError):  # needs lxml and networkx
+        trimesh.Trimesh(*pretzel, process=False).export(tmp_path / "b.3mf")
+        elsewhere.append("b.3mf")
+    for name in ("a.glb", "a.vtk", *elsewhere):
+        packed = tmp_path / f"{name}.GZ"
+        packed.write_bytes(gzip.compress((tmp_path / name).read_bytes(), 1))
+        for path in (tmp_path / name, packed):
+            same(read_mesh(path), pretzel, 1e-6)
+    with pytest.MonkeyPatch.context() as patch:
+        for package in ("trimesh", "meshio"):
+            patch.setitem(sys.modules, package, None)
+        for name in elsewhere:
+            with pytest.raises(ValueError, match="is not installed.* pip install .*(meshio|trimesh)") as caught:
+                read_mesh(tmp_path / name)
+            assert ("Python package" in str(caught.value)) == (name in ("b.vtk", "b.msh"))
+    (tmp_path / "b.vtu.gz").write_bytes(packed.read_bytes()[:100])
+    with pytest.raises(ValueError, match="b.vtu.gz: gzip cannot unpack it"):
+        read_mesh(tmp_path / "b.vtu.gz")
     (tmp_path / "a.xyz3").write_text("nothing")
     with pytest.raises(ValueError, match=r"none of .obj, .off, .ply, .stl"):
         read_mesh(tmp_path / "a.xyz3")
+
+
+def test_vtp(torus: Mesh, tmp_path: Path) -> None:
+    pytest.importorskip("pyvista", reason="meshio and trimesh read no VTP")
+
+    def array(values: np.ndarray, kind: str, name: str, width: int = 1) -> str:
+        text = " ".join(map(repr, values.ravel().tolist()))
+        return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{width}" format="ascii">{text}</DataArray>'
+
+    points, triangles = torus
+    counts = f'NumberOfPoints="{len(points)}" NumberOfPolys="{len(triangles)}"'
+    ends = 3 * np.arange(1, len(triangles) + 1)
+    polygons = array(triangles, "Int64", "connectivity") + array(ends, "Int64", "offsets")
+    text = f"<Points>{array(points, 'Float64', 'Points', 3)}</Points><Polys>{polygons}</Polys>"
+    text = f'<VTKFile type="PolyData" version="0.1"><PolyData><Piece {counts}>{text}</Piece></PolyData></VTKFile>'
+    (tmp_path / "a.vtp").write_text(text)
+    (tmp_path / "a.vtp.gz").write_bytes(gzip.compress(text.encode()))
+    save(tmp_path / "own.vtp", Drawing(points, triangles))
+    for name in ("a.vtp", "a.vtp.gz", "own.vtp"):
+        same(read_mesh(tmp_path / name), torus)
 
 
 def test_no_such_file() -> None:

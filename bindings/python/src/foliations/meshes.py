@@ -6,11 +6,17 @@ the attributes they have.
 
 from __future__ import annotations
 
+import gzip
 import os
+import shutil
 import sys
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Protocol, Union
 
 import numpy as np
@@ -190,8 +196,9 @@ def read_mesh(path: str | os.PathLike[str]) -> tuple[Floats, Indices]:
     (``.mesh``), Gmsh (``.msh``) and legacy VTK (``.vtk``) are read here, with all digits,
     also with ``.gz``.  Polygons are cut along diagonals inside them, equal points of STL and
     glTF are joined, vertices without a face are dropped.  What was skipped or dropped is a
-    :class:`foliations.MeshWarning`.  Other formats (3MF, VTP, ...) are left to trimesh or meshio
-    where they are installed.
+    :class:`foliations.MeshWarning`.  Other formats are left to other packages where they are
+    installed, also with ``.gz``: 3MF to trimesh, VTP to pyvista, binary Gmsh and legacy VTK and
+    those of simulations to meshio.
 
     Raises
     ------
@@ -305,30 +312,48 @@ _SUFFIXES = (".obj", ".off", ".ply", ".stl", ".gltf", ".glb", ".mesh", ".msh", "
 # Formats with variants that others read.
 _PERHAPS = (".gltf", ".glb", ".mesh", ".msh", ".vtk")
 
-# Formats for drawing, which trimesh knows better; meshio has those of simulations.
-_SCENES = (".glb", ".gltf", ".3mf", ".dae", ".zae", ".ctm")
+# Who reads a format: trimesh knows those for drawing better, meshio has those of simulations, VTP is VTK's own.
+_PACKAGES_OF = {suffix: ("trimesh", "meshio") for suffix in (".glb", ".gltf", ".3mf", ".dae", ".zae", ".ctm")}
+_PACKAGES_OF[".vtp"] = ("pyvista",)
+
+
+@contextmanager
+def _unpacked(name: str, suffix: str) -> Iterator[str]:
+    """The name of a file that ends in its suffix and is not packed by gzip: itself, or a copy while it is needed."""
+    with open(name, "rb") as file:  # an OSError of ours, not of them
+        packed = file.read(2) == b"\x1f\x8b"
+        if not packed and name.lower().endswith(suffix):
+            yield name
+            return
+        with TemporaryDirectory() as folder:
+            plain = os.path.join(folder, "mesh" + suffix)
+            file.seek(0)
+            try:
+                with open(plain, "wb") as copy:
+                    shutil.copyfileobj(gzip.GzipFile(fileobj=file) if packed else file, copy)
+            except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+                raise ValueError(f"{name}: gzip cannot unpack it: {error}.") from None
+            yield plain
 
 
 def _read_elsewhere(name: str, suffix: str, reasons: list[str]) -> tuple[Floats, Indices]:
-    with open(name, "rb"):
-        pass  # an OSError of ours, not of them
-    for package in ("trimesh", "meshio") if suffix in _SCENES else ("meshio", "trimesh"):
-        try:
-            module = sys.modules.get(package) or import_module(package)
-        except ImportError:
-            reasons.append(f"{package} is not installed")
-            continue
-        try:
-            if package == "trimesh":
-                mesh = module.load(name, force="mesh", process=False)
-                # Formats for drawing have a point twice where its texture or normal jumps.
-                mesh.merge_vertices(merge_tex=True, merge_norm=True)
-            else:
-                mesh = module.read(name)
-            return as_mesh(mesh)
-        except (Exception, SystemExit) as error:  # meshio exits on formats it does not know
-            reasons.append(f"{package}: {str(error) or type(error).__name__}")
-    raise ValueError(
-        f"{name}: {suffix} is none of {', '.join(_SUFFIXES)}, or could not be read: {'; '.join(reasons)}. "
-        "pip install trimesh meshio reads more formats."
-    )
+    packages = _PACKAGES_OF.get(suffix, ("meshio", "trimesh"))
+    with _unpacked(name, suffix) as plain:
+        for package in packages:
+            try:
+                module = sys.modules.get(package) or import_module(package)
+            except ImportError:
+                reasons.append(f"{package} is not installed")
+                continue
+            try:
+                if package == "trimesh":
+                    mesh = module.load(plain, force="mesh", process=False)
+                    # Formats for drawing have a point twice where its texture or normal jumps.
+                    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+                else:
+                    mesh = module.read(plain)
+                return as_mesh(mesh)
+            except (Exception, SystemExit) as error:  # meshio exits on formats it does not know
+                reasons.append(f"{package}: {str(error).replace(plain, name) or type(error).__name__}")
+    other = "" if suffix in _SUFFIXES else f"{suffix} is none of {', '.join(_SUFFIXES)}; "
+    raise ValueError(f"{name}: {other}{'; '.join(reasons)}. pip install {' '.join(packages)} reads more formats.")
