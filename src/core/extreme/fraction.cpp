@@ -367,7 +367,7 @@ hmf_status correct_below_unit(State& state, const SolveOptions& options, const C
     if (!work.prepare()) return call.stopped();
     ResidualResult found;
     if (const hmf_status status = find_fractions(work, goal, log.fraction, found)) return status;
-    if (!(found.max <= goal)) return guard.checks_steps ? HMF_LIMIT_CLASS : HMF_LIMIT_STALLED;
+    if (!(found.max <= goal)) return guard.checks == ClassGuard::Checks::steps ? HMF_LIMIT_CLASS : HMF_LIMIT_STALLED;
     const double D = energy(state.foliation, work.level.weight, call.parallel);
     if (!work.record(options.method == HMF_METHOD_NEWTON ? 2 : 1, D, found.max)) return call.out_of_memory();
     log.certificate = {true, D, found.max, found.mean, true};

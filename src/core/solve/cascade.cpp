@@ -70,8 +70,8 @@ hmf_status optimize_in_class(State& state, const SolveOptions& options, Call& ca
         guard.zeros.known = false;
     };
     for (uint32_t attempt = 0; attempt < 2; ++attempt) {
-        guard.checks_steps = attempt > 0;
-        if (guard.checks_steps) {
+        guard.checks = attempt == 0 ? ClassGuard::Checks::levels : ClassGuard::Checks::steps;
+        if (attempt > 0) {
             go_back();
             ++guard.repeats;
         }
@@ -107,8 +107,9 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, So
         call.range(done, done + 0.9 * share);
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
         if (!stop_improving) {
-            const hmf_status here = options.guarded ? optimize_in_class(state, options, call, log, *guard, statistics)
-                                                    : optimize(state, options, call, log, guard, statistics);
+            const bool is_guarded = guard && guard->checks != ClassGuard::Checks::result;
+            const hmf_status here = is_guarded ? optimize_in_class(state, options, call, log, *guard, statistics)
+                                               : optimize(state, options, call, log, guard, statistics);
             if (here >= HMF_ERROR_NULL) return here;
             // Only the last level decides, unless the whole call ran out of something.
             status = here;

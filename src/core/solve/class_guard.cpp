@@ -23,6 +23,7 @@ hmf_status ClassGuard::start(State& state, double unit_of_values, const Loops* l
     const Mesh& mesh = state.foliation.mesh;
     state.listener = nullptr;
     started = false;
+    checks = Checks::result;
     zeros.known = false;
     zeros.vertices.start(call.memory);
     zeros.tripods.start(call.memory);
@@ -95,12 +96,11 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     state.statistics = statistics;
     if (state.listener && !guard.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
         return call.stopped();
-    SolveOptions careful = options;
-    careful.guarded = true;
+    guard.checks = ClassGuard::Checks::levels;
     log.certificate.known = false;
     if (!log.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1))
         return call.out_of_memory();
-    status = run_cascade(state, careful, call, log, &guard);
+    status = run_cascade(state, options, call, log, &guard);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     const ClassCheck lost = guard.lost;
     if (const hmf_status looked = guard.certify(state, log.unit(), call)) return looked;

@@ -24,7 +24,7 @@ struct ClassGuard {
     ClassCheck lost;      // the last one that was refused
     double unit = 1;      // of the reference
     bool started = false;
-    bool checks_steps = false; // each step of the level that is solved
+    enum class Checks : uint8_t { result, levels, steps } checks = Checks::result; // what has to pass
 
     // At the start of a solve, on the coarsest level.  loops: on the mesh of the
     // state, or NULL; weights: theirs, in units of the state, or empty.

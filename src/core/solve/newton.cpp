@@ -27,6 +27,8 @@ public:
 
 private:
     const TwistedModel& model() const { return step_.model(); }
+    bool is_finest() const { return policy_.role == LevelPolicy::Role::finest; }
+    bool is_coarsest() const { return policy_.role >= LevelPolicy::Role::coarsest; }
     bool has_ended() const { return w_.call.cancelled() || w_.call.finishing(); }
     void sweep(uint32_t count);
     void move_near_zeros();
@@ -49,19 +51,17 @@ private:
     StallDetector stall_;
     enum class Rung { steps, finer_unit } rung_ = Rung::steps;
     uint32_t stalls_left_ = parameters::STALLS;
-    bool sweeps_backward_ = false;
 };
 
 hmf_status NewtonLevel::run() {
     if (!room_.allocate(w_.call.memory, w_.state.foliation.mesh.vertex_count) || !step_.allocate())
         return w_.call.out_of_memory();
-    sweep(policy_.coarsest ? parameters::COARSEST_SWEEPS : parameters::SWEEPS);
-    if (policy_.sweep_only) return has_ended() ? HMF_CANCELLED : HMF_OK;
-    uint64_t steps_left = policy_.finest && w_.options.step_limit ? w_.options.step_limit : policy_.rounds;
+    sweep(is_coarsest() ? parameters::COARSEST_SWEEPS : parameters::SWEEPS);
+    uint64_t steps_left = is_finest() && w_.options.step_limit ? w_.options.step_limit : policy_.rounds;
     for (uint32_t round = 0; round < policy_.rounds; ++round) {
         if (const hmf_status status = begin_round()) return status;
         // The first step of a level needs no reason, except on the finest level.
-        const double residual = round == 0 && !policy_.finest ? 1 : model().residual_max;
+        const double residual = round == 0 && !is_finest() ? 1 : model().residual_max;
         if (!w_.record(2, model().energy, residual)) return w_.call.out_of_memory();
         if (residual <= policy_.goal || is_good_start(residual)) return hand_over(residual);
         if (makes_no_progress(residual)) {
@@ -75,13 +75,13 @@ hmf_status NewtonLevel::run() {
         if (const hmf_status status = step_.take(policy_.tolerance(round, residual), last_)) return status;
         moves_are_due_ = true;
         ++step_count_;
-        if (policy_.middle && last_.is_whole() && !last_.had_extrema) {
+        if (policy_.role == LevelPolicy::Role::middle && last_.is_whole() && !last_.had_extrema) {
             move_near_zeros();
             return HMF_OK;
         }
     }
     if (has_ended()) return HMF_CANCELLED;
-    return policy_.finest ? HMF_LIMIT_STALLED : HMF_OK;
+    return is_finest() ? HMF_LIMIT_STALLED : HMF_OK;
 }
 
 // Linearizes, after moves near the zeros. A tight step may have reached the goal: then there are none.
@@ -104,7 +104,7 @@ void NewtonLevel::move_near_zeros() {
 
 // A tight step that meets no bound has reached the goal, were it not for the rounding to the unit.
 bool NewtonLevel::makes_no_progress(double residual) {
-    if (policy_.finest && rung_ == Rung::steps && last_.is_whole() && last_.is_tight && last_.zeros_stay) return true;
+    if (is_finest() && rung_ == Rung::steps && last_.is_whole() && last_.is_tight && last_.zeros_stay) return true;
     return stall_.is_stalled(residual, model().energy, policy_.goal, last_.is_whole() && !last_.zeros_stay);
 }
 
@@ -121,8 +121,8 @@ bool NewtonLevel::makes_no_progress(double residual) {
 // certificate fails, all is solved again with a certificate for each level (class_guard.hpp); and at the end of a call
 // that stalled, values are corrected by less than a unit (extreme/fraction.hpp).
 hmf_status NewtonLevel::escalate(bool& goes_on) {
-    goes_on = policy_.finest;
-    if (!policy_.finest) return HMF_OK;
+    goes_on = is_finest();
+    if (!is_finest()) return HMF_OK;
     if (rung_ == Rung::steps) {
         rung_ = Rung::finer_unit;
         if (w_.refine_unit(policy_.goal)) stall_.restart();
@@ -149,9 +149,11 @@ hmf_status NewtonLevel::step_exactly() {
 
 // A coarsest level ends early where zeros are nearly everywhere, or known to be in place.
 bool NewtonLevel::is_good_start(double residual) const {
-    if (policy_.finest || !policy_.coarsest) return false;
-    return policy_.is_cheap ? last_.zeros_stay && residual <= parameters::CLOSE
-                            : near_.are_everywhere() && residual <= parameters::PROGRESS;
+    switch (policy_.role) {
+    case LevelPolicy::Role::cheap_coarsest: return last_.zeros_stay && residual <= parameters::CLOSE;
+    case LevelPolicy::Role::coarsest: return near_.are_everywhere() && residual <= parameters::PROGRESS;
+    default: return false;
+    }
 }
 
 hmf_status NewtonLevel::hand_over(double residual) {
@@ -164,8 +166,7 @@ hmf_status NewtonLevel::linearize() { return step_.linearize() ? HMF_OK : interr
 void NewtonLevel::sweep(uint32_t count) {
     for (uint32_t i = 0; i < count && w_.go_on(); ++i) {
         SweepResult result;
-        w_.sweeps.sweep(w_.state.foliation, w_.rings, w_.level.weight, sweeps_backward_, w_.star, result, w_.call, 0);
-        sweeps_backward_ = !sweeps_backward_;
+        w_.sweeps.sweep(w_.state.foliation, w_.rings, w_.level.weight, w_.statistics.sweep_count % 2 == 1, w_.star, result, w_.call, 0);
         ++w_.statistics.sweep_count;
     }
 }

@@ -14,19 +14,23 @@ bool StallDetector::is_stalled(double residual, double energy, double goal, bool
 }
 
 LevelPolicy::LevelPolicy(const LevelWork& work, double tolerance) {
-    finest = work.state.level == work.options.stop();
-    coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
-    middle = !finest && !coarsest;
-    const Level& last = work.state.hierarchy->levels[work.options.stop()];
-    is_cheap = coarsest && parameters::COARSEST_SHARE * work.level.mesh.vertex_count <= last.mesh.vertex_count;
-    goal = finest || is_cheap ? tolerance : parameters::CLOSE;
-    rounds = middle ? parameters::MIDDLE_ROUNDS : parameters::LEVEL_ROUNDS;
-    sweep_only = middle && work.state.hierarchy->genus == 1 && work.level.mesh.marked_count == 0;
+    const hmf_hierarchy& h = *work.state.hierarchy;
+    const Mesh &mesh = work.level.mesh, &last = h.levels[work.options.stop()].mesh;
+    const bool is_small = parameters::COARSEST_SHARE * mesh.vertex_count <= last.vertex_count;
+    role = work.state.level == work.options.stop() ? Role::finest
+         : work.state.level + 1 < h.level_count    ? Role::middle
+         : is_small                                ? Role::cheap_coarsest
+                                                   : Role::coarsest;
+    goal = role == Role::finest || role == Role::cheap_coarsest ? tolerance : parameters::CLOSE;
+    rounds = role == Role::middle ? parameters::MIDDLE_ROUNDS : parameters::LEVEL_ROUNDS;
+    // A torus without marked vertices has no zeros, so one step is exact from any start: the levels in between only
+    // separate vertices that splits have left together, by their sweep.
+    if (role == Role::middle && h.genus == 1 && mesh.marked_count == 0) rounds = 0;
 }
 
 SolveTolerance LevelPolicy::tolerance(uint32_t round, double residual) const {
     // As long as zeros move, the next model is another one: a tight solve of this one would be wasted.
-    if (!finest) return {parameters::CLOSE, parameters::CLOSE, 0, false, residual < parameters::CLOSE};
+    if (role != Role::finest) return {parameters::CLOSE, parameters::CLOSE, 0, false, residual < parameters::CLOSE};
     return {parameters::CLOSE, parameters::TIGHTEST, parameters::RESIDUAL_SHARE * goal, round > 0,
             residual < parameters::CLOSE};
 }

@@ -34,13 +34,9 @@ private:
 
 // The finest level is solved to the minimum; the others only provide a start for the next level.
 struct LevelPolicy {
-    bool finest, coarsest, middle;
-    bool is_cheap; // the coarsest, and few of the vertices are on it
+    enum class Role : uint8_t { finest, middle, coarsest, cheap_coarsest } role; // cheap: few of the vertices are on it
     double goal;   // for the residual
     uint32_t rounds;
-    // A torus without marked vertices has no zeros, so one step is exact from any start: the levels in between only
-    // separate vertices that splits have left together.
-    bool sweep_only;
 
     LevelPolicy(const LevelWork& work, double tolerance);
     // residual: before the step.

@@ -27,7 +27,6 @@ struct SolveOptions : hmf_solve_options {
     size_t stop() const { return static_cast<size_t>(stop_level); }
 
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
-    bool guarded = false;                     // each level has to stay in the class; needs a ClassGuard
 };
 
 // Measures of the foliation at the end of a method.
@@ -79,7 +78,7 @@ struct LevelWork {
     // Room for both.
     Done prepare();
     // Each step of all vertices needs a certificate.
-    bool checks_class() const { return guard && guard->checks_steps; }
+    bool checks_class() const { return guard && guard->checks == ClassGuard::Checks::steps; }
     // Between two passes over the mesh; false: cancelled or asked to finish.
     Done go_on() { return call.tick(0, true) && !call.finishing(); }
     // Refines the unit until rounding causes at most half of this residual, or as far as options.largest_value allows;

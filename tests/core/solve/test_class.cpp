@@ -390,7 +390,7 @@ TEST(ClassGuard, NothingIsRepeatedAfterAFinish) {
     start.reload({5, 4, 1}); // which is another class
     hmf::SolveOptions options;
     options.tolerance = 1e-8;
-    options.guarded = true;
+    start.guard.checks = hmf::ClassGuard::Checks::levels;
     hmf::Call ending(
         start.memory, &start.error, [](void*, double) -> int32_t { return HMF_PROGRESS_FINISH; }, nullptr);
     hmf::SolveLog log(false, ending, 1);
