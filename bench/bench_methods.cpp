@@ -168,14 +168,18 @@ void print_times(const Mesh& mesh, const char* experiment, const char* method, d
         .print();
 }
 
+// NULL after a row that says so.
+Owned<hmf_loop_set> handle_loops(const Mesh& mesh, const Built& built, std::string& kind) {
+    Owned<hmf_loop_set> loops = choose_loops(built.hierarchy.get(), HMF_LOOPS_HANDLE, kind);
+    if (!loops) Row("failure").text("mesh", mesh.name).text("stage", "loops").text("what", "no loops").print();
+    return loops;
+}
+
 void run_times(const Mesh& mesh, const Options& options) {
     const Built half = build(mesh, 0.5, HMF_COLLAPSE_MIDPOINT);
     std::string kind;
-    const Owned<hmf_loop_set> loops = choose_loops(half.hierarchy.get(), HMF_LOOPS_HANDLE, kind);
-    if (!loops) {
-        Row("failure").text("mesh", mesh.name).text("stage", "loops").text("what", "no loops").print();
-        return;
-    }
+    const Owned<hmf_loop_set> loops = handle_loops(mesh, half, kind);
+    if (!loops) return;
     const Solved newton = solve(half.hierarchy.get(), loops.get(), options_of(HMF_METHOD_NEWTON));
     const double least = newton.report ? newton.report->energy : NAN;
     print_times(mesh, "table1", "newton", 0.5, kind, half, newton, least, 0);
@@ -231,11 +235,8 @@ void run_cases(const Mesh& mesh, const Options& options) {
     const int32_t kinds[] = {HMF_COLLAPSE_MIDPOINT, HMF_COLLAPSE_ENDPOINT, HMF_COLLAPSE_QSLIM};
     const Built reference = build(mesh, 0.5, HMF_COLLAPSE_MIDPOINT);
     std::string kind;
-    const Owned<hmf_loop_set> loops = choose_loops(reference.hierarchy.get(), HMF_LOOPS_HANDLE, kind);
-    if (!loops) {
-        Row("failure").text("mesh", mesh.name).text("stage", "loops").text("what", "no loops").print();
-        return;
-    }
+    const Owned<hmf_loop_set> loops = handle_loops(mesh, reference, kind);
+    if (!loops) return;
     for (int k = 0; k < options.collapses; ++k)
         for (const double ratio : {0.25, 0.5, 0.75}) {
             const Built built = build(mesh, ratio, kinds[k]);
