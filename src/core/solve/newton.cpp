@@ -72,7 +72,7 @@ hmf_status NewtonLevel::run() {
         }
         if (w_.call.out_of_time()) return HMF_LIMIT_TIME;
         if (steps_left-- == 0) return HMF_LIMIT_ITERATIONS;
-        if (const hmf_status status = step_.take(policy_.tolerance(round, residual), last_)) return status;
+        if (const hmf_status status = step_.take(policy_.tolerance(), last_)) return status;
         moves_are_due_ = true;
         ++step_count_;
         if (policy_.role == LevelPolicy::Role::middle && last_.is_whole() && !last_.had_extrema) {

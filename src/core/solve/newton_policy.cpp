@@ -28,11 +28,10 @@ LevelPolicy::LevelPolicy(const LevelWork& work, double tolerance) {
     if (role == Role::middle && h.genus == 1 && mesh.marked_count == 0) rounds = 0;
 }
 
-SolveTolerance LevelPolicy::tolerance(uint32_t round, double residual) const {
+SolveTolerance LevelPolicy::tolerance() const {
     // As long as zeros move, the next model is another one: a tight solve of this one would be wasted.
-    if (role != Role::finest) return {parameters::CLOSE, parameters::CLOSE, 0, false, residual < parameters::CLOSE};
-    return {parameters::CLOSE, parameters::TIGHTEST, parameters::RESIDUAL_SHARE * goal, round > 0,
-            residual < parameters::CLOSE};
+    if (role != Role::finest) return {parameters::CLOSE, parameters::CLOSE, 0};
+    return {parameters::CLOSE, parameters::TIGHTEST, parameters::RESIDUAL_SHARE * goal};
 }
 
 } // namespace hmf

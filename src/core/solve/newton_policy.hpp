@@ -10,12 +10,10 @@ namespace hmf {
 // How accurately the linear system of a step is solved.
 struct SolveTolerance {
     double loose;    // relative, while zeros move
-    double tight;    // once they stay
+    double tight;    // once they stay: a solve that meets no bound is continued to it
     double residual; // of [W] Eq. 4, at which any solve may stop; 0: none
-    bool goes_on;    // a loose solve that meets no bound is continued to the tight tolerance
-    bool is_close;   // to the minimum: worth the cost of tight solves
 
-    static SolveTolerance exact() { return {parameters::TIGHTEST, parameters::TIGHTEST, 0, true, true}; }
+    static SolveTolerance exact() { return {parameters::TIGHTEST, parameters::TIGHTEST, 0}; }
 };
 
 // Decides what is no progress.
@@ -39,8 +37,7 @@ struct LevelPolicy {
     uint32_t rounds;
 
     LevelPolicy(const LevelWork& work, double tolerance);
-    // residual: before the step.
-    SolveTolerance tolerance(uint32_t round, double residual) const;
+    SolveTolerance tolerance() const;
 };
 
 } // namespace hmf

@@ -50,14 +50,14 @@ hmf_status NewtonStep::try_step(const SolveTolerance& tolerance, StepOutcome& ou
             bool is_held = false;
             if (!fix_overturned(is_held)) return w_.call.out_of_memory();
             if (!is_held) factor *= 0.5;
-        } else if (!outcome.is_tight && tolerance.is_close) {
+        } else if (!outcome.is_tight && tolerance.tight < tolerance.loose) {
             outcome.is_tight = true;
             if (!solve_linear(tolerance.tight, tolerance.residual)) return interrupted(w_.call);
             model_.project(f_, w_.rings, patch_, distance_);
         } else if (is_valid && energy_change_ < parameters::PROGRESS * rise) {
             rise = energy_change_;
             ++w_.statistics.linear_solve_count;
-            if (!solve_between_bounds(tolerance.is_close ? tolerance.tight : tolerance.loose, tolerance.residual))
+            if (!solve_between_bounds(tolerance.tight, tolerance.residual))
                 return interrupted(w_.call);
         } else if (update_.too_far() != NONE) {
             // Where the certificate judges, zeros may move: there one place at a time is held.
@@ -86,7 +86,7 @@ Done NewtonStep::propose(const SolveTolerance& tolerance, StepOutcome& outcome) 
         std::memcpy(unbounded_.data(), model_.d.data(), model_.count * sizeof(double));
         set_bounded_values();
         if (!w_.go_on()) return false;
-        if (tolerance.goes_on && !model_.is_exact() && (tight || bounds_met_ == 0)) {
+        if (tolerance.tight < tolerance.loose && !model_.is_exact() && (tight || bounds_met_ == 0)) {
             if (!tight) accuracy = tolerance.tight;
             tight = true;
             update_.restore();
