@@ -9,7 +9,7 @@
 //         passed: done
 //         change        the first of these that applies:
 //                           guarded, and vertices turned over    hold them
-//                           the solve was loose                  solve tightly
+//                           the solve was loose (finest level)   solve tightly
 //                           the energy rises, at most half       solve again between the bounds that are active
 //                           as much as the time before
 //                           it went too far at some vertices     hold them and the rings around them

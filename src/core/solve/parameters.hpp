@@ -33,7 +33,7 @@ constexpr double CONTINUED = 1e-4;
 
 // --- Progress, and the ladder (newton.cpp) ---------------------------------------
 
-// Progress: the residual is this share of the least so far. Also for other quantities that have to get less.
+// Progress: the residual is this share of the least of the level. Also for other quantities that have to get less.
 constexpr double PROGRESS = 0.5;
 // Rounds without progress, after which a level has stalled.
 constexpr uint32_t PATIENCE = 4;
