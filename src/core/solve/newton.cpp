@@ -166,7 +166,8 @@ hmf_status NewtonLevel::linearize() { return step_.linearize() ? HMF_OK : interr
 void NewtonLevel::sweep(uint32_t count) {
     for (uint32_t i = 0; i < count && w_.go_on(); ++i) {
         SweepResult result;
-        w_.sweeps.sweep(w_.state.foliation, w_.rings, w_.level.weight, w_.statistics.sweep_count % 2 == 1, w_.star, result, w_.call, 0);
+        w_.sweeps.sweep(w_.state.foliation, w_.rings, w_.level.weight, w_.statistics.sweep_count % 2 == 1, w_.star,
+                        result, w_.call, 0);
         ++w_.statistics.sweep_count;
     }
 }

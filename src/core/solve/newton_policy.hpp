@@ -33,7 +33,7 @@ private:
 // The finest level is solved to the minimum; the others only provide a start for the next level.
 struct LevelPolicy {
     enum class Role : uint8_t { finest, middle, coarsest, cheap_coarsest } role; // cheap: few of the vertices are on it
-    double goal;   // for the residual
+    double goal;                                                                 // for the residual
     uint32_t rounds;
 
     LevelPolicy(const LevelWork& work, double tolerance);

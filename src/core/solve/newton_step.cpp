@@ -57,8 +57,7 @@ hmf_status NewtonStep::try_step(const SolveTolerance& tolerance, StepOutcome& ou
         } else if (is_valid && energy_change_ < parameters::PROGRESS * rise) {
             rise = energy_change_;
             ++w_.statistics.linear_solve_count;
-            if (!solve_between_bounds(tolerance.tight, tolerance.residual))
-                return interrupted(w_.call);
+            if (!solve_between_bounds(tolerance.tight, tolerance.residual)) return interrupted(w_.call);
         } else if (update_.too_far() != NONE) {
             // Where the certificate judges, zeros may move: there one place at a time is held.
             if (w_.checks_class()) invalid_.clear();
