@@ -62,16 +62,18 @@ private:
     Array<uint64_t> heap_;
 };
 
-class NearestFirst {
+template <class Distance>
+class SmallestFirst {
 public:
     struct Entry {
-        double distance;
+        Distance distance;
         uint32_t item;
     };
 
     void start(Memory& memory) { heap_.start(memory); }
     void clear() { heap_.clear(); }
     bool empty() const { return heap_.empty(); }
+    const Entry& top() const { return heap_[0]; }
 
     Done push(Entry entry) {
         if (!heap_.reserve_one()) return false;
@@ -110,5 +112,7 @@ private:
 
     Array<Entry> heap_;
 };
+
+using NearestFirst = SmallestFirst<double>;
 
 } // namespace hmf

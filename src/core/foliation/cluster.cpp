@@ -8,6 +8,7 @@ Done Foliation::allocate_scratch(uint32_t vertex_count, Memory& memory) {
     epoch = 0;
     members.start(memory);
     pushed.start(memory);
+    queue.start(memory);
     if (!stamps_.allocate_filled(memory, vertex_count, 0) || !members.reserve(vertex_count)
         || !pushed.reserve(vertex_count))
         return false;

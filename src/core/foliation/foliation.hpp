@@ -33,7 +33,7 @@
 //     around it joins are different ones: the half turn exchanges them.
 #pragma once
 
-#include "../base/memory.hpp"
+#include "../base/nearest_first.hpp"
 #include "../mesh/mesh.hpp"
 
 namespace hmf {
@@ -51,7 +51,8 @@ struct Foliation {
         walked = 0;
         return steps;
     }
-    Array<uint32_t> pushed; // vertices that move along with the one of the move planned last
+    Array<uint32_t> pushed;       // vertices that move along with the one of the move planned last
+    SmallestFirst<int64_t> queue; // half-edges that remove_extremum waits for; grows
     Done allocate_scratch(uint32_t vertex_count, Memory& memory); // for all meshes up to this size
     // Of a task of a sweep (sweep.hpp): it goes no further than the inside of its block,
     // and outside says that it would have had to.
@@ -176,8 +177,8 @@ void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, Transport
 // direction), moves it there until it has a second one.  false: the values
 // are no distances in a tree (one closed corner separates a direction from
 // itself, or a marked vertex has none), which a step that went too far can
-// cause.
-bool remove_extremum(Foliation& foliation, uint32_t vertex);
+// cause; or the call (NULL: none) is cancelled or out of memory.
+bool remove_extremum(Foliation& foliation, uint32_t vertex, Call* call = nullptr);
 
 // Values of the edges that come where a collapse is undone: the new vertex starts where the old one is.
 void split_values(int64_t* value, const Collapse& c);

@@ -35,7 +35,7 @@ namespace hmf {
 namespace {
 
 // Moves the cluster in f.members, which has one direction R apart from the
-// half-edge `behind` (or NONE), into R up to the first closed corner or the
+// half-edge `behind`, into R up to the first closed corner or the
 // first neighbor.
 void advance_cluster(Foliation& f, uint32_t behind) {
     const Mesh& mesh = f.mesh;
@@ -60,17 +60,6 @@ void advance_cluster(Foliation& f, uint32_t behind) {
 }
 
 } // namespace
-
-bool remove_extremum(Foliation& f, uint32_t vertex) {
-    // Each round enlarges the cluster or gives it a direction.
-    for (uint32_t round = 0; round <= f.mesh.vertex_count; ++round) {
-        const Cluster cluster = explore_cluster(f, vertex, ClusterSearch().up_to_corners(2));
-        if (!cluster.is_pole()) return true;
-        if (cluster.closed_corners == 1 || cluster.marked > 0) return false;
-        advance_cluster(f, NONE);
-    }
-    return false;
-}
 
 void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatistics& statistics, BadFlip bad_flip) {
     Mesh& mesh = f.mesh;

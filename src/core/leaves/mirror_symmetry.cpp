@@ -253,7 +253,8 @@ private:
         if (!is_settled.allocate_filled(call_.memory, mesh_.vertex_count, 0)) return false;
         for (uint32_t v = 0; v < mesh_.vertex_count && exact; ++v) {
             if (!is_boundary(v) || is_settled[v]) continue;
-            if (!remove_extremum(f_, v)) exact = false;
+            if (!remove_extremum(f_, v, &call_)) exact = false;
+            if (call_.memory.failure()) return false;
             for (const uint32_t u : f_.members) is_settled[u] = 1;
             if (!call_.work(64 * f_.members.size())) return false;
         }

@@ -37,7 +37,7 @@ hmf_status NewtonStep::try_step(const SolveTolerance& tolerance, StepOutcome& ou
         }
         bool is_valid = false, keeps = true;
         const bool passed = passes(is_valid);
-        if (!w_.go_on()) return interrupted(w_.call);
+        if (w_.call.memory.failure() || !w_.go_on()) return interrupted(w_.call);
         if (passed) {
             if (const hmf_status status = keeps_class(keeps)) return status;
             if (keeps) {

@@ -133,7 +133,7 @@ bool NewtonUpdate::check_candidates(Check check) {
     const size_t count = check_all_ ? f_.mesh.vertex_count : candidate_.size();
     for (size_t i = 0; i < count; ++i) {
         const uint32_t v = check_all_ ? static_cast<uint32_t>(i) : candidate_[i];
-        if (i % 65536 == 0 && !work_.go_on()) return false;
+        if ((i % 65536 == 0 && !work_.go_on()) || !call_.work(8 * f_.take_walked())) return false;
         if (check(v)) continue;
         too_far_ = v;
         return false;
@@ -150,7 +150,7 @@ bool NewtonUpdate::remove_extrema() {
         if (s == Shape::kept || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before)) return true;
         if (s == Shape::has_zero && !explore_cluster(f_, v).is_pole()) return true;
         moved = true;
-        return remove_extremum(f_, v);
+        return remove_extremum(f_, v, &call_);
     });
     check_all_ |= moved;
     return removed;
