@@ -9,6 +9,7 @@ namespace {
 
 constexpr uint32_t NOWHERE = UINT32_MAX;
 constexpr uint32_t SMALL = 24;        // unknowns that are numbered as they come
+constexpr uint64_t WIDE = 64;         // a layer of more than 8 times the root of the unknowns is wide
 constexpr double LEAST_PIVOT = 1e-15; // of the diagonal; less is a kernel, rounding, or a row left out
 
 // Nested dissection.
@@ -75,10 +76,14 @@ private:
             return waiting_.push({range.begin, used}) && waiting_.push({used, range.end});
         }
         if (last < 2) return true; // all are neighbors of one
-        const uint32_t layer = half == last ? last - 1 : half;
-        uint32_t before = 0, after = 0;
-        while (layer_[queue_[before]] < layer) ++before;
-        for (after = before; after < found && layer_[queue_[after]] == layer;) ++after;
+        uint32_t layer = half == last ? last - 1 : half, before = 0, after = 0;
+        // A layer much wider than those of a surface lies around an unknown with many neighbors, which cuts better.
+        for (;; --layer) {
+            for (before = 0; layer_[queue_[before]] < layer;) ++before;
+            for (after = before; after < found && layer_[queue_[after]] == layer;) ++after;
+            const uint64_t width = after - before;
+            if (layer == 1 || width * width <= WIDE * found) break;
+        }
         uint32_t* to = order_ + range.begin;
         std::memcpy(to, queue_.data(), before * sizeof(uint32_t));
         std::memcpy(to + before, queue_.data() + after, (found - after) * sizeof(uint32_t));

@@ -76,6 +76,25 @@ TEST(SparseFactor, ComponentsAndRowsLeftOut) {
         if (s.diagonal[i] == 0) EXPECT_EQ(x[i], 0) << i;
 }
 
+// Rings around a hub: the layer in the middle has a third of the unknowns, the hub before it is one.
+TEST(SparseFactor, WheelsWithManySpokes) {
+    Random random(11);
+    for (const uint32_t spokes : {300u, 6000u}) {
+        std::vector<Edge> edges;
+        for (uint32_t wheel = 0; wheel < 2; ++wheel)
+            for (uint32_t ring = 0; ring < 3; ++ring)
+                for (uint32_t k = 0; k < spokes; ++k) {
+                    const uint32_t first = 2 + (3 * wheel + ring) * spokes, v = first + k;
+                    edges.push_back({v, first + (k + 1) % spokes, 1 + random.uniform(), -1});
+                    edges.push_back({ring > 0 ? v - spokes : wheel, v, 1 + random.uniform(), random.sign()});
+                }
+        for (uint32_t k = 0; k < 4; ++k) edges.push_back({2 + 2 * spokes + k, 2 + 5 * spokes + k, 1, 1});
+        const System s(2 + 6 * spokes, edges);
+        const std::vector<double> b = noise(s.n(), random);
+        EXPECT_LE(s.residual(solve_directly(s, b, s.n() * 600), b), 1e-13) << spokes;
+    }
+}
+
 // All are neighbors: as many entries as n^2 / 2.
 TEST(SparseFactor, TooManyEntries) {
     std::vector<Edge> edges;
