@@ -186,6 +186,26 @@ TEST(Work, BuildIsLinearInValence) {
         "polygons", [](size_t n) { return of_build(of_polygon(n)); }, 2000);
 }
 
+TEST(Work, SolveIsLinearInValence) {
+    const auto work = [](size_t n) {
+        const Extreme extreme{"walls", walled_ring(n, Strips::fans), {}, {}};
+        hmf_hierarchy* h = nullptr;
+        build(extreme, h);
+        hmf_loop_set* loops = nullptr;
+        find_loops(extreme, h, HMF_LOOPS_CUT, loops);
+        hmf_foliation* f = nullptr;
+        const uint64_t solved = expect_reports(extreme, "hmf_solve", [&](const hmf_control* control) {
+            return hmf_solve(h, loops, nullptr, control, &f, nullptr);
+        });
+        EXPECT_NE(f, nullptr);
+        hmf_foliation_destroy(f);
+        hmf_free(loops);
+        hmf_hierarchy_destroy(h);
+        return solved;
+    };
+    expect_linear("walls", work, 500);
+}
+
 TEST(Work, CutLoopsAreLinearInValence) {
     const auto work = [](size_t n) {
         const Extreme extreme{"wheels", wheels(n, 2), {}, {}};
