@@ -121,8 +121,8 @@ public:
     hmf_status triangles() {
         Quantiles quantiles;
         if (!quantiles.allocate(mesh_.face_count, call_.memory)) return call_.out_of_memory();
-        if (!call_.tick(0.97)) return call_.was_cancelled();
-        const Sums sums = call_.parallel.sum_blocks<Sums>(mesh_.face_count, [&](size_t begin, size_t end) {
+        Sums sums;
+        const auto write = [&](size_t begin, size_t end) {
             Sums part;
             for (size_t f = begin; f < end; ++f) {
                 if (end - f > CORNERS_AHEAD) prefetch_triangle(triangles_.of_face[f + CORNERS_AHEAD]);
@@ -137,8 +137,8 @@ public:
                 triangle(of, map);
             }
             return part;
-        });
-        if (!call_.tick(0.98)) return call_.was_cancelled();
+        };
+        if (!call_.sum_pass(mesh_.face_count, 0.97, sums, write)) return call_.was_cancelled();
         to_.flipped_count = sums.flipped;
         to_.degenerate_count = sums.degenerate;
         to_.area = sums.image;

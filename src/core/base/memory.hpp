@@ -291,6 +291,16 @@ public:
         }
         return true;
     }
+    // The sum of T = f(begin, end) over these blocks, as Parallel::sum_blocks.
+    template <class T, class F>
+    Done sum_pass(size_t n, double fraction, T& sum, F f) {
+        T part[Parallel::MOST_PARTS];
+        const size_t block = Parallel::pass_block(n);
+        if (!pass(n, fraction, [&](size_t begin, size_t end) { part[begin / block] = f(begin, end); })) return false;
+        sum = T{};
+        for (size_t k = 0; k * block < n; ++k) sum += part[k];
+        return true;
+    }
     void range(double from, double to) {
         from_ = from;
         to_ = to;
@@ -306,8 +316,8 @@ public:
     bool out_of_time() const { return time_limit_ > 0 && seconds() > time_limit_; }
 
 private:
-    static constexpr uint64_t UNIT_OF_WORK = 16384;      // elementary steps
-    static constexpr size_t BLOCKS_BETWEEN_REPORTS = 64; // at most 10 ms in one thread, up to a million elements
+    static constexpr uint64_t UNIT_OF_WORK = 16384;     // elementary steps
+    static constexpr size_t BLOCKS_BETWEEN_REPORTS = 8; // 32 768 elements, up to a million of them
 
     hmf_error* error_;
     hmf_progress_fn progress_;
