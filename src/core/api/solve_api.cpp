@@ -101,6 +101,9 @@ hmf_status load_start(const hmf_hierarchy& h, const hmf_foliation& start, size_t
                          static_cast<unsigned long long>(start.level));
     if (!state.allocate(h, 0, call.memory)) return call.out_of_memory();
     state.load(0, Triangulation::input);
+    if (start.count != state.foliation.mesh.edge_count)
+        return call.fail(HMF_ERROR_COUNT, HMF_ELEMENT_NONE, state.foliation.mesh.edge_count,
+                         "start belongs to a mesh with other edges. Give a foliation of the same triangles.");
     uint64_t poles = 0;
     if (read_values(state, start.values, static_cast<size_t>(start.count), unit, poles, call)) return call.status();
     return refuse_poles(poles, call);

@@ -188,11 +188,8 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
         return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
     for (size_t c = 0; c < count; ++c)
         if (offsets[c + 1] <= offsets[c])
-            return call.fail(
-                HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c,
-                "Loop %llu has no elements: offsets[%llu] is %llu and offsets[%llu] is %llu. Offsets must increase.",
-                static_cast<Long>(c), static_cast<Long>(c), static_cast<Long>(offsets[c]), static_cast<Long>(c) + 1,
-                static_cast<Long>(offsets[c + 1]));
+            return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c,
+                             "Loop %llu has no elements. Give at least one for each loop.", static_cast<Long>(c));
     const bool triangles = element_kind == HMF_PATH_TRIANGLES;
     // Elements are named by their place: the caller may number them otherwise.
     const char* const word = triangles ? "triangle" : "vertex";
