@@ -214,7 +214,7 @@ HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hm
 typedef struct hmf_design_options {
     uint32_t struct_size;
     int32_t no_poles;            /* 1: use only the marked vertices of `build`, so that there are no other poles;
-                                    without effect on a sphere, and on a disk if `build` has none, which need some.
+                                    without effect on a sphere or disk if `build` has none, as it needs some.
                                     0 (default): marked vertices may be added. Others: HMF_ERROR_OPTIONS */
     const hmf_hierarchy_options *build; /* NULL = defaults. Used: position_stride, mollify, memory_limit, allocator, and
                                     marked vertices, which become part of the design */

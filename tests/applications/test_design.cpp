@@ -375,4 +375,23 @@ TEST(EvenDesign, SmallSpheres) {
     EXPECT_GE(box->marked_count, 4u);
 }
 
+// Without other poles a design is one for a hierarchy that exists, on spheres as well.
+TEST(EvenDesign, SpheresWithGivenMarks) {
+    for (const TriMesh& mesh : {tetrahedron(1), tetrahedron(4), subdivide(subdivide(plate(0)))})
+        for (const bool more : {false, true}) {
+            std::vector<uint32_t> marks = suggested_marks(mesh);
+            for (uint32_t v = 0; more && marks.size() < 6; ++v)
+                if (std::count(marks.begin(), marks.end(), v) == 0) marks.push_back(v);
+            const hmf_hierarchy_options build = with_marks(marks.data(), marks.size());
+            const hmf_design_options options = design_options(0, 1, &build);
+            const auto made = design(mesh, &options);
+            ASSERT_TRUE(made);
+            std::vector<uint32_t> found = marks_of(*made);
+            std::sort(found.begin(), found.end());
+            std::sort(marks.begin(), marks.end());
+            EXPECT_EQ(found, marks);
+            EXPECT_EQ(solve_design(mesh, *made).status, HMF_OK);
+        }
+}
+
 } // namespace test_design

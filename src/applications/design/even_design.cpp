@@ -136,7 +136,8 @@ hmf_status design_on_level(const hmf_hierarchy& h, size_t level, const DesignOpt
     for (uint32_t v = 0; v < mesh.marked_count; ++v)
         if (!given.push(v)) return call.out_of_memory();
     call.range(from, from + 0.02);
-    if (h.genus == 0 && !limb_tips(mesh, position, call, tips, ends)) return call.stopped();
+    if (h.genus == 0 && (options.poles || given.size() < 4) && !limb_tips(mesh, position, call, tips, ends))
+        return call.stopped();
     call.range(from + 0.02, to);
     EvenSearch search(h, mesh, position, surface, call);
     const double by_size = static_cast<double>(h.input.edge_count) / EDGES_PER_WORK;
