@@ -75,7 +75,7 @@ def test_mesh(torus: Mesh, defect: str) -> None:
     assert error.status == foliations.Status[f"ERROR_{defect}"]
     assert isinstance(error, ValueError)
     assert (error.index is None) == (error.element is foliations.Element.NONE)
-    assert f"[HMF_ERROR_{defect}" in str(error)
+    assert f"[ERROR_{defect}" in str(error)
     # A remedy: more than the first sentence.
     assert error.advice and error.message.endswith(error.advice) and error.advice != error.message
 

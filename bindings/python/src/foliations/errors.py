@@ -125,7 +125,7 @@ class Error(Exception):
 
     def __str__(self) -> str:
         place = "" if self.index is None else f", {self.element.name.lower()} {self.index}"
-        return f"{self.message} [HMF_{self.status.name}{place}]"
+        return f"{self.message} [{self.status.name}{place}]"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.message, int(self.status), int(self.element), self.index or 0), self.__dict__
@@ -215,12 +215,13 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("; hmf_hierarchy_memory_estimate gives a sufficient value", "; memory_estimate gives a sufficient value"),
     ("with hmf_interpolate", "with Foliation.interpolate"),
     ("with hmf_relax", "with Foliation.relax"),
+    ("start lies on", "initial lies on"),
+    ("start belongs to", "initial belongs to"),
     ("Give one of them, the other NULL", "Give one of them"),
 )
 # What repair() does about a mesh that is refused.
 _REPAIRS: dict[int, str] = {
     Status.ERROR_MESH_REPEATED_VERTEX: "repair(mesh) drops such triangles.",
-    Status.ERROR_MESH_DEGENERATE: "mollify=1e-5 accepts such triangles.",
     Status.ERROR_MESH_ORIENTATION: "repair(mesh) turns patches to one sense.",
     Status.ERROR_MESH_NON_MANIFOLD_EDGE: "repair(mesh) drops duplicate triangles and takes sheets apart that touch there.",
     Status.ERROR_MESH_NON_MANIFOLD_VERTEX: "repair(mesh) takes sheets apart that touch there.",
@@ -233,7 +234,7 @@ def in_words(message: str, status: int) -> str:
     for library, package in _WORDS:
         message = message.replace(library, package)
     kept = [part for part in re.split(r"(?<=\.)\s+", message) if part and not _FOREIGN.search(part)]
-    if status in _REPAIRS and not any("mollify" in part for part in kept):
+    if status in _REPAIRS:
         kept.append(_REPAIRS[status])
     return " ".join(kept) or Status(status).text.capitalize() + "."
 
@@ -244,7 +245,6 @@ _CLASSES: dict[int, type[Error]] = {
     Status.ERROR_UNSUPPORTED: UnsupportedError,
     Status.ERROR_QUADS: UnsupportedError,
     Status.ERROR_NULL: InternalError,
-    Status.ERROR_COUNT: InternalError,
 }
 _HUNDREDS: dict[int, type[Error]] = {
     1: OptionsError,

@@ -314,7 +314,7 @@ _PERHAPS = (".gltf", ".glb", ".mesh", ".msh", ".vtk")
 
 # Who reads a format: trimesh knows those for drawing better, meshio has those of simulations, VTP is VTK's own.
 _PACKAGES_OF = {suffix: ("trimesh", "meshio") for suffix in (".glb", ".gltf", ".3mf", ".dae", ".zae", ".ctm")}
-_PACKAGES_OF[".vtp"] = ("pyvista",)
+_PACKAGES_OF[".vtp"] = ("pyvista", "meshio")
 
 
 @contextmanager
@@ -352,6 +352,8 @@ def _read_elsewhere(name: str, suffix: str, reasons: list[str]) -> tuple[Floats,
                     mesh.merge_vertices(merge_tex=True, merge_norm=True)
                 else:
                     mesh = module.read(plain)
+                if package == "pyvista":
+                    mesh = mesh.triangulate()  # strips as well
                 return as_mesh(mesh)
             except (Exception, SystemExit) as error:  # meshio exits on formats it does not know
                 reasons.append(f"{package}: {str(error).replace(plain, name) or type(error).__name__}")
