@@ -85,6 +85,7 @@ echo "ok javascript-build"
 group results 1200 node --test test/results.test.js
 group errors 1200 node --test test/errors.test.js
 group everyday 1200 node --test test/everyday.test.js
+group every-error 1200 node --test test/every_error.test.js
 group parameterize 1200 node --test test/parameterize.test.js
 group trace 1200 node --test test/trace.test.js
 group quads 1200 node --test test/quads.test.js

@@ -35,7 +35,7 @@ function lengthOf(curve, positions) {
     return curve.reduce((sum, vertex, i) => sum + apart(vertex, curve[(i + 1) % curve.length]), 0);
 }
 
-function diagonalOf(positions) {
+export function diagonalOf(positions) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     positions.forEach((x, i) => {
         low[i % 3] = Math.min(low[i % 3], x);

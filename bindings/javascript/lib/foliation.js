@@ -25,11 +25,15 @@ function surfaceCounts(frame, address) {
     return { zeros: sum(found.filter(index => index < 0).map(index => -index)), poles: sum(found.filter(index => index > 0)), indexSum: sum(found) };
 }
 
+/** Internal: what a foliation belongs to: loops, or a kind of loops of the library; null: unknown. */
+export const classOf = new WeakMap();
+
 export class Foliation {
     #address;
 
-    /** Internal: of a call that made it; { address, status } of Frame.make. */
-    constructor(hierarchy, frame, { address, status }) {
+    /** Internal: of a call that made it; { address, status } of Frame.make, and an entry of classOf. */
+    constructor(hierarchy, frame, { address, status }, belongs = null) {
+        classOf.set(this, belongs);
         this.#address = address;
         hierarchy.adopt(this, address);
         const count = frame.room(Uint32Array, 1), values = frame.module.invoke('hmf_foliation_values', address, count);
@@ -41,6 +45,12 @@ export class Foliation {
         // The library counts on the closed double.
         this.report = report && report.boundaries > 0 ? { ...report, ...surfaceCounts(frame, address) } : report;
         Object.freeze(this);
+    }
+
+    get loops() {
+        const known = classOf.get(this);
+        if (typeof known === 'string') classOf.set(this, this.hierarchy.loops({ kind: known }));
+        return classOf.get(this);
     }
 
     get disposed() {
@@ -81,12 +91,12 @@ export class Foliation {
 
     interpolate(level, options) {
         this.hierarchy.levelIndex(level);
-        return this.#ask(options, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_interpolate', address, level)));
+        return this.#ask(options, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_interpolate', address, level), classOf.get(this)));
     }
 
     relax(options) {
         const given = optionsOf(options, 'options', RELAX_OPTIONS);
-        return this.perform(given, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_relax', address, writeOptions(frame, given))));
+        return this.perform(given, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_relax', address, writeOptions(frame, given)), classOf.get(this)));
     }
 
     energy(options) {

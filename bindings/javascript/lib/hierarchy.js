@@ -1,11 +1,12 @@
 // Hierarchy: a mesh with its coarser levels (hmf_hierarchy_create and what reads it).
 import { Frame, camel } from './memory.js';
-import { Foliation, dispose } from './foliation.js';
+import { Foliation, classOf, dispose } from './foliation.js';
 import { boundaryCurves, holeWarning, notClosed, withoutUnused } from './boundaries.js';
 import { namesOf } from './error.js';
 import { callback, choice, described, indices, numbers, optionsOf, wholeNumber } from './arguments.js';
-import { makeLoops, readLoops, writeLoops } from './loops.js';
+import { keptLoops, makeLoops, readLoops, writeLoops } from './loops.js';
 import { option, optionFields, optionNames } from './options.js';
+import { loopsThrough } from './picked.js';
 import { SOLVE_OPTIONS, writeOptions } from './solve.js';
 
 export const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_hierarchy_options'), 'markedVertices', 'progress'];
@@ -242,8 +243,8 @@ export class Hierarchy {
         return level;
     }
 
-    #foliation(options, make) {
-        return this.perform(options, (frame, address) => new Foliation(this, frame, make(frame, address)));
+    #foliation(options, belongs, make) {
+        return this.perform(options, (frame, address) => new Foliation(this, frame, make(frame, address), keptLoops(belongs)));
     }
 
     loops(options) {
@@ -252,25 +253,34 @@ export class Hierarchy {
         return this.perform(given, (frame, address) => makeLoops(frame, address, level, kind));
     }
 
-    initialize(loops, options) {
-        return this.#foliation(optionsOf(options, 'options', ['progress']), (frame, address) => {
-            const set = writeLoops(frame, loops ?? {});
-            this.levelIndex(loops.level ?? 0, 'loops.level');
-            return frame.make('hmf_foliation_from_loops', address, set);
+    loopsThrough(picked, options) {
+        return loopsThrough(this, picked, options);
+    }
+
+    /** Loops, and what a foliation of them belongs to; of a kind: on level 0, or on the coarsest level, where they are found fastest. */
+    #chosen(loops, isFine) {
+        const set = typeof loops !== 'string' ? loops : loops === 'even' ? this.#evenLoops() : this.loops({ kind: loops, level: isFine ? 0 : this.#levels.length - 1 });
+        return { set, belongs: typeof loops === 'string' && loops !== 'even' ? loops : set };
+    }
+
+    initialize(loops = 'cut', options) {
+        const { set, belongs } = this.#chosen(loops, this.boundaryCount > 0);
+        return this.#foliation(optionsOf(options, 'options', ['progress']), belongs, (frame, address) => {
+            const written = writeLoops(frame, set ?? {});
+            this.levelIndex(set.level ?? 0, 'loops.level');
+            return frame.make('hmf_foliation_from_loops', address, written);
         });
     }
 
     solve(options) {
-        const given = optionsOf(options, 'options', [...SOLVE_OPTIONS, 'loops', 'start']), { start } = given;
-        const level = this.levelIndex(given.stopLevel ?? 0, 'stopLevel');
+        const given = optionsOf(options, 'options', [...SOLVE_OPTIONS, 'loops', 'start']), { start, stopLevel: stop = 0 } = given;
+        // Negative ones are counted from the coarsest.
+        const level = this.levelIndex(stop < 0 && stop >= -this.#levels.length ? this.#levels.length + stop : stop, 'stopLevel');
         if (start !== undefined && !(start instanceof Foliation)) throw new TypeError(`start is ${described(start)}; give a Foliation.`);
-        // Those of the library: on the coarsest level, where they are found fastest.
-        const fine = this.boundaryCount > 0 || given.method === 'single-level';
-        const named = typeof given.loops !== 'string' ? given.loops
-            : given.loops === 'even' ? this.#evenLoops()
-            : this.loops({ kind: given.loops, level: fine ? 0 : this.#levels.length - 1 });
-        const solve = address => this.#foliation(given, (frame, hierarchy) => {
-            const loops = writeLoops(frame, named), settings = writeOptions(frame, given, { stop_level: level, start: address });
+        const { set, belongs } = this.#chosen(given.loops, this.boundaryCount > 0 || given.method === 'single-level');
+        const known = belongs ?? (start === undefined ? 'cut' : classOf.get(start));
+        const solve = address => this.#foliation(given, known, (frame, hierarchy) => {
+            const loops = writeLoops(frame, set), settings = writeOptions(frame, { ...given, stopLevel: level }, { start: address });
             if (loops === 0 && address === 0) return frame.make('hmf_solve_cut_system', hierarchy, settings);
             return frame.make('hmf_solve', hierarchy, loops, settings);
         });
@@ -293,7 +303,7 @@ export class Hierarchy {
         const given = optionsOf(typeof options === 'number' ? { level: options } : options, 'options', ['level', 'progress']), { level = 0 } = given;
         this.levelIndex(level);
         numbers(values, 'values', { count: this.#levels[level].edgeCount });
-        return this.#foliation(given, (frame, address) => frame.make('hmf_foliation_from_values', address, level, frame.copy(Float64Array, values), values.length));
+        return this.#foliation(given, null, (frame, address) => frame.make('hmf_foliation_from_values', address, level, frame.copy(Float64Array, values), values.length));
     }
 }
 

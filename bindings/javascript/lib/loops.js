@@ -41,6 +41,11 @@ export function writeLoops(frame, set) {
     return frame.structure('hmf_loop_set', fields);
 }
 
+/** A copy of loops, which no change of the caller's reaches; kinds, undefined and null as they are. */
+export function keptLoops(set) {
+    return set !== null && typeof set === 'object' ? { ...set, loops: Array.from(set.loops, loop => Uint32Array.from(loop)) } : set;
+}
+
 /** Loops of the library. */
 export function readLoops(frame, address) {
     const { element_kind, level, count, weights, arcs, arc_sides } = frame.read('hmf_loop_set', address);

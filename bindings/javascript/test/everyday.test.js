@@ -1,4 +1,4 @@
-// What a user meets first: holes, vertices that nothing uses, sentences in the words of JavaScript, types of all members.
+// What a user meets first: loops by kind, picked points, previews, holes, vertices that nothing uses, sentences in the words of JavaScript, types of all members.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { before, test } from 'node:test';
@@ -60,6 +60,96 @@ test('zero is zero, or refused', () => {
     for (const work of [() => hierarchy.solve({ tolerance: 0 }), () => hierarchy.solve({ iterationLimit: 0 }), () => foliation.quads({ count: 0 }), () => foliation.quads({ edgeLength: 0 }), () => foliation.trace({ spacing: 0 }), () => foliation.trace({ lengthLimit: 0 }),
         () => foliation.atlas({ margin: 0 }), () => foliation.parameterize({ tolerance: 0 }), () => hmf.evenDesign(positions, triangles, { solveLimit: 0 }), () => new hmf.Hierarchy(positions, triangles, { ratio: 2 })])
         assert.throws(work, error => error.statusName === 'HMF_ERROR_OPTIONS' && /(\w+): \S+ is not in [[(]/.test(error.message));
+    hierarchy.dispose();
+});
+
+const close = (a, b) => assert.ok(Math.abs(a - b) < 1e-6 * Math.abs(b), `${a} ${b}`);
+const energyOf = (hierarchy, loops) => hierarchy.solve({ loops }).report.energy;
+/** Each loop has a cylinder that names it. */
+const namesItsLoops = (foliation, { loops }) => assert.deepEqual(foliation.cylinders().list.map(({ loop }) => loop).sort((a, b) => a - b), loops.map((_, i) => i));
+
+test('loops by kind, and the loops of a foliation', () => {
+    const { positions, triangles } = pretzel(2, 2), hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
+    assert.ok(hierarchy.levels.length > 2);
+    for (const kind of ['cut', 'handle', 'tunnel', 'pants']) {
+        const foliation = hierarchy.solve({ loops: kind }), { loops } = foliation;
+        assert.deepEqual(loops, hierarchy.loops({ kind }));
+        close(energyOf(hierarchy, loops), foliation.report.energy);
+        namesItsLoops(foliation, loops);
+        for (const other of [foliation.interpolate(1).relax(), hierarchy.solve({ start: foliation })]) assert.deepEqual(other.loops, loops);
+        assert.equal(hierarchy.foliation(foliation.values).loops, null);
+        assert.ok(foliation.cylinders({ loops: null }).list.every(({ loop }) => loop === null));
+        assert.deepEqual(hierarchy.initialize(kind).loops, loops);
+        const { components } = hmf.solveComponents(positions, triangles, { coarsest: 100, loops: kind });
+        close(components[0].report.energy, foliation.report.energy);
+    }
+    assert.deepEqual(hierarchy.solve().loops, hierarchy.loops());
+    const { loops: design } = hmf.evenDesign(positions, triangles, { noPoles: true }), even = hierarchy.solve({ loops: 'even' });
+    assert.deepEqual(even.loops, design);
+    close(even.report.energy, energyOf(hierarchy, design));
+    namesItsLoops(even, design);
+    const own = { ...hierarchy.loops({ kind: 'pants' }), weights: [1, 2, 3] }, foliation = hierarchy.solve({ loops: own });
+    assert.deepEqual(foliation.loops, own);
+    own.loops.pop();
+    assert.equal(foliation.loops.loops.length, 3);
+    hierarchy.dispose();
+});
+
+test('spheres and disks solve by default', () => {
+    const { positions, triangles } = octahedron();
+    for (const mesh of [triangles, triangles.slice(0, 21)]) {
+        const hierarchy = new hmf.Hierarchy(positions, mesh, { warn() {} });
+        assert.deepEqual(hierarchy.markedVertices, hmf.suggestMarks(positions, mesh));
+        assert.deepEqual(new hmf.Hierarchy(positions, mesh, { markedVertices: 'suggest', warn() {} }).markedVertices, hierarchy.markedVertices);
+        for (const loops of [undefined, 'cut', 'pants', 'even']) assert.ok(hierarchy.solve({ loops }).report.converged);
+        assert.throws(() => new hmf.Hierarchy(positions, mesh, { markedVertices: [], warn() {} }), error => error.statusName === 'HMF_ERROR_MESH_GENUS');
+        hierarchy.dispose();
+    }
+});
+
+test('loops through picked vertices and points', () => {
+    const { positions, triangles } = pretzel(2, 2), hierarchy = new hmf.Hierarchy(positions, triangles), ends = hierarchy.levels[0].edgeVertices();
+    const length = (a, b) => Math.hypot(...[0, 1, 2].map(k => positions[3 * a + k] - positions[3 * b + k]));
+    // Of all vertices from one; Bellman and Ford.
+    const distances = start => {
+        const away = new Float64Array(positions.length / 3).fill(Infinity);
+        away[start] = 0;
+        for (let changed = true; changed;) {
+            changed = false;
+            for (let e = 0; e < ends.length; e += 2) for (const [a, b] of [[ends[e], ends[e + 1]], [ends[e + 1], ends[e]]]) {
+                const more = away[a] + length(a, b);
+                if (more < away[b]) [away[b], changed] = [more, true];
+            }
+        }
+        return away;
+    };
+    const around = (list, term) => list.reduce((sum, stop, i) => sum + term(stop, list[(i + 1) % list.length]), 0);
+    for (const loop of hierarchy.loops({ kind: 'handle' }).loops) {
+        const corners = Array.from(loop).filter((_, i) => i % 3 === 0).map(t => triangles[3 * t]);
+        const points = corners.map(vertex => [0, 1, 2].map(k => positions[3 * vertex + k] + 1e-4));
+        const picked = hierarchy.loopsThrough([points], { within: 1e-3, weights: [2] });
+        assert.deepEqual(picked, hierarchy.loopsThrough([corners], { weights: [2] }));
+        assert.ok(Math.abs(around(Array.from(picked.loops[0]), length) - around(corners, (a, b) => distances(a)[b])) < 1e-9);
+        close(energyOf(hierarchy, picked), energyOf(hierarchy, { elementKind: 'triangles', loops: [loop], weights: [2] }));
+        assert.throws(() => hierarchy.loopsThrough([points], { within: 1e-9 }),
+            error => error.statusName === 'HMF_ERROR_OPTIONS' && /picked\[0\]\[0\], \[.*\], is .* from the surface, more than within: 1/.test(error.message));
+    }
+    const far = [[[100, 0, 0], [0, 100, 0], [0, 0, 100]]];
+    assert.throws(() => hierarchy.loopsThrough(far), /from the surface.*unit and axes/);
+    assert.ok(hierarchy.loopsThrough(far, { within: 1000 }));
+    assert.throws(() => hierarchy.loopsThrough([[[NaN, 0, 0], [0, 0, 0], [0, 0, 0]]]), /from the surface/);
+    for (const [picked, words] of [[[[0, 1]], /at least three/], [[[0, 1, 99999]], /vertex 99999/], [[0, 1, 2], /picked\[0\]/], [[[[0, 1], [1, 2], [2, 3]]], /3/]])
+        assert.throws(() => hierarchy.loopsThrough(picked), error => error instanceof TypeError && words.test(error.message));
+    hierarchy.dispose();
+});
+
+test('a preview is one call', () => {
+    const { positions, triangles } = pretzel(2, 2), hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 }), n = hierarchy.levels.length;
+    const preview = hierarchy.solve({ stopLevel: -1 });
+    assert.equal(preview.level, n - 1);
+    assert.deepEqual(preview.values, hierarchy.solve({ stopLevel: n - 1 }).values);
+    assert.equal(hierarchy.solve({ stopLevel: -n }).level, 0);
+    assert.throws(() => hierarchy.solve({ stopLevel: -n - 1 }), /stopLevel/);
     hierarchy.dispose();
 });
 

@@ -5,8 +5,9 @@ import { orNull } from '../memory.js';
 
 export function cylinders(foliation, options) {
     const given = optionsOf(options, 'options', ['loops', 'progress']);
+    const loops = given.loops === undefined ? foliation.loops : given.loops;
     return foliation.perform(given, (frame, address) => {
-        const result = frame.result('hmf_cylinders', address, writeLoops(frame, given.loops));
+        const result = frame.result('hmf_cylinders', address, writeLoops(frame, loops ?? undefined));
         const { count, list, leaves, area_error } = frame.read('hmf_cylinder_set', result);
         const { twists, cornerOffsets } = frame.arrays('hmf_cylinder_set', result, { twists: count, corner_offsets: 2 * count + 1 });
         const corners = Number(cornerOffsets[2 * count]);
