@@ -115,7 +115,7 @@ has fmt rustfmt && check fmt cargo fmt --check
 # What clippy looks at is a build of its own; it needs no library.
 has clippy clippy && check clippy env DOCS_RS=1 cargo clippy --quiet --release --locked --all-targets -- -D warnings
 check bindings-match-header cargo test --quiet --release --locked -p foliations-sys -- --nocapture
-check tests cargo test --quiet --locked --release -p foliations --lib --tests --examples
+check tests cargo test --quiet --locked --release -p foliations --lib --tests --examples -- --nocapture
 check doc-tests cargo test --quiet --locked --release -p foliations --doc
 check documentation documentation
 check packages packages

@@ -40,8 +40,8 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// A sentence about curves that look like holes by accident.
-pub(crate) fn hole_warning(curves: &[Vec<u32>], positions: &[[f64; 3]]) -> Option<String> {
+/// Of the box around points.
+pub(crate) fn diagonal(positions: &[[f64; 3]]) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for point in positions {
         for k in 0..3 {
@@ -49,7 +49,12 @@ pub(crate) fn hole_warning(curves: &[Vec<u32>], positions: &[[f64; 3]]) -> Optio
             high[k] = high[k].max(point[k]);
         }
     }
-    let short = SHORT_BOUNDARY * distance(low, high);
+    distance(low, high)
+}
+
+/// A sentence about curves that look like holes by accident.
+pub(crate) fn hole_warning(curves: &[Vec<u32>], positions: &[[f64; 3]]) -> Option<String> {
+    let short = SHORT_BOUNDARY * diagonal(positions);
     let at = |vertex: u32| positions[vertex as usize];
     let length = |curve: &[u32]| -> f64 {
         (0..curve.len()).map(|i| distance(at(curve[i]), at(curve[(i + 1) % curve.len()]))).sum()

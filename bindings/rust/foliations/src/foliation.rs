@@ -4,7 +4,7 @@ use crate::error::Result;
 #[cfg(doc)]
 use crate::error::Status;
 use crate::hierarchy::Hierarchy;
-use crate::loops::Loops;
+use crate::loops::{Loops, LoopsKind};
 use crate::owned::{arrays, call, make, slice, Owned};
 use crate::records::{codes, record, Read};
 use foliations_sys as sys;
@@ -23,6 +23,19 @@ use std::sync::Arc;
 pub struct Foliation {
     hierarchy: Hierarchy,
     handle: Arc<Owned<sys::hmf_foliation>>,
+    class: Class,
+}
+
+/// The loops that a foliation belongs to.
+#[derive(Clone, Default)]
+pub(crate) enum Class {
+    /// The values came without loops.
+    #[default]
+    Unknown,
+    /// Those of the library, with weights 1.
+    Kind(LoopsKind),
+    /// Others.
+    Loops(Arc<Loops>),
 }
 
 impl Hierarchy {
@@ -39,7 +52,7 @@ impl Hierarchy {
         let handle = make(|out, control, error| unsafe {
             sys::hmf_foliation_from_loops(self.as_ptr(), &loops.as_raw(), control, out, error)
         })?;
-        Ok(Foliation::new(self, handle))
+        Ok(Foliation::new(self, handle).of_class(Class::Loops(Arc::new(loops.clone()))))
     }
 
     /// A foliation from values that you have, one for each edge of a level: results of
@@ -66,7 +79,29 @@ impl Hierarchy {
 
 impl Foliation {
     pub(crate) fn new(hierarchy: &Hierarchy, handle: Owned<sys::hmf_foliation>) -> Foliation {
-        Foliation { hierarchy: hierarchy.clone(), handle: Arc::new(handle) }
+        Foliation { hierarchy: hierarchy.clone(), handle: Arc::new(handle), class: Class::Unknown }
+    }
+
+    pub(crate) fn of_class(self, class: Class) -> Foliation {
+        Foliation { class, ..self }
+    }
+
+    pub(crate) fn class(&self) -> Class {
+        self.class.clone()
+    }
+
+    /// The loops of the solve, with their weights; `None` if the values came without loops. Those of the library
+    /// are made on your mesh, level 0, by each call.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Hierarchy::loops`].
+    pub fn loops(&self) -> Result<Option<Loops>> {
+        match &self.class {
+            Class::Unknown => Ok(None),
+            Class::Kind(kind) => self.hierarchy.loops(0, *kind).map(Some),
+            Class::Loops(loops) => Ok(Some(Loops::clone(loops))),
+        }
     }
 
     pub(crate) fn as_ptr(&self) -> *const sys::hmf_foliation {
@@ -117,7 +152,7 @@ impl Foliation {
         // SAFETY: the handle is valid.
         let handle =
             make(|out, control, error| unsafe { sys::hmf_interpolate(self.as_ptr(), level, control, out, error) })?;
-        Ok(Foliation::new(&self.hierarchy, handle))
+        Ok(Foliation::new(&self.hierarchy, handle).of_class(self.class()))
     }
 
     /// Dirichlet energy: the sum over all edges of weight * value^2, in the

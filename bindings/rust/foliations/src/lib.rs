@@ -15,6 +15,7 @@ mod components;
 mod foliation;
 mod hierarchy;
 mod loops;
+mod picked;
 mod solve;
 // What applications.h has.
 mod applications;

@@ -1,6 +1,6 @@
-//! What a user meets first: holes, vertices without a triangle, zeros of options.
+//! What a user meets first: loops by kind, picked points, holes, vertices without a triangle, zeros of options.
 
-use foliations::{DesignOptions, Element, Error, Hierarchy, QuadOptions, Status};
+use foliations::{DesignOptions, Element, Error, Foliation, Hierarchy, Loops, LoopsKind, QuadOptions, Status};
 
 include!("support/mesh.rs");
 
@@ -86,4 +86,125 @@ fn zeros_are_refused() {
         assert_eq!((error.status(), error.element()), (Status::ERROR_OPTIONS, Some(Element::Option)));
         assert!(error.message().starts_with(words), "{error}");
     }
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-6 * b.abs()
+}
+
+fn energy(hierarchy: &Hierarchy, loops: &Loops) -> f64 {
+    hierarchy.solver().loops(loops).solve().unwrap().report.energy
+}
+
+/// Cylinders that name each loop once.
+fn name_their_loops(foliation: &Foliation, loops: &Loops) -> bool {
+    let mut named: Vec<_> = foliation.cylinders(None).unwrap().list.iter().map(|one| one.loop_index).collect();
+    named.sort_unstable();
+    named == (0..loops.len() as u32).map(Some).collect::<Vec<_>>()
+}
+
+#[test]
+fn loops_by_kind_and_the_loops_of_a_foliation() {
+    let (positions, triangles) = plate(2, 1, 6, 5);
+    let hierarchy = Hierarchy::builder().coarsest(100).build(&positions, &triangles).unwrap();
+    assert!(hierarchy.level_count() > 1);
+    for kind in [LoopsKind::Cut, LoopsKind::Handle, LoopsKind::Tunnel, LoopsKind::Pants] {
+        let solution = hierarchy.solver().library_loops(kind).solve().unwrap();
+        let (foliation, loops) = (&solution.foliation, solution.foliation.loops().unwrap().unwrap());
+        assert_eq!(loops, hierarchy.loops(0, kind).unwrap());
+        assert!(close(energy(&hierarchy, &loops), solution.report.energy));
+        assert!(name_their_loops(foliation, &loops), "{kind:?}");
+        let relaxed = hierarchy.solver().relax(&foliation.interpolate(1).unwrap()).unwrap().foliation;
+        assert_eq!(relaxed.loops().unwrap().as_ref(), Some(&loops));
+        let started = hierarchy.solver().start(foliation).solve().unwrap().foliation;
+        assert_eq!(started.loops().unwrap().as_ref(), Some(&loops));
+        assert_eq!(hierarchy.foliation(0, foliation.values()).unwrap().loops().unwrap(), None);
+    }
+    let default = hierarchy.solver().solve().unwrap().foliation;
+    assert_eq!(default.loops().unwrap(), Some(hierarchy.loops(0, LoopsKind::Cut).unwrap()));
+
+    let even = hierarchy.solver().even_loops().solve().unwrap();
+    let options = DesignOptions { no_poles: true, ..Default::default() };
+    let design = Hierarchy::builder().even_design(&positions, &triangles, options).unwrap();
+    assert_eq!(even.foliation.loops().unwrap().as_ref(), Some(&design.loops));
+    assert!(close(even.report.energy, energy(&hierarchy, &design.loops)));
+    assert!(name_their_loops(&even.foliation, &design.loops));
+
+    let own = hierarchy.loops(0, LoopsKind::Pants).unwrap().with_weights(&[1.0, 2.0, 3.0]).unwrap();
+    let foliation = hierarchy.solver().loops(&own).solve().unwrap().foliation;
+    assert_eq!(foliation.loops().unwrap().as_ref(), Some(&own));
+    assert_eq!(hierarchy.initialize(&own).unwrap().loops().unwrap().as_ref(), Some(&own));
+}
+
+#[test]
+fn spheres_and_disks_solve_by_default() {
+    let positions = [[1., 0., 0.], [-1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 3.], [0., 0., -3.]];
+    let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    for mesh in [&triangles[..], &triangles[..7]] {
+        let hierarchy = Hierarchy::build(&positions, mesh).unwrap();
+        assert_eq!(hierarchy.marked_vertices(), Hierarchy::builder().suggest_marks(&positions, mesh).unwrap());
+        for kind in [LoopsKind::Cut, LoopsKind::Pants] {
+            let solution = hierarchy.solver().library_loops(kind).solve().unwrap();
+            assert!(solution.report.converged && solution.report.energy > 0.0);
+        }
+        assert!(hierarchy.solver().even_loops().solve().unwrap().report.converged);
+        let bare = Hierarchy::builder().marked_vertices(&[]).build(&positions, mesh).unwrap_err();
+        assert_eq!(bare.status(), Status::ERROR_MESH_GENUS);
+    }
+}
+
+#[test]
+fn loops_through_picked_points() {
+    let (positions, triangles) = plate(2, 1, 4, 3);
+    let hierarchy = Hierarchy::build(&positions, &triangles).unwrap();
+    let edges = hierarchy.edge_vertices(0).unwrap();
+    let length = |a: u32, b: u32| {
+        let (a, b) = (positions[a as usize], positions[b as usize]);
+        (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+    };
+    let sum = |path: &[u32]| -> f64 { (0..path.len()).map(|i| length(path[i], path[(i + 1) % path.len()])).sum() };
+    let lengths: Vec<f64> = edges.iter().map(|&[a, b]| length(a, b)).collect();
+    // Of all vertices from one; Bellman and Ford.
+    let distances = |start: u32| {
+        let mut away = vec![f64::INFINITY; positions.len()];
+        away[start as usize] = 0.0;
+        let mut changed = true;
+        while changed {
+            changed = false;
+            for (&[a, b], &side) in edges.iter().zip(&lengths) {
+                for (from, to) in [(a as usize, b as usize), (b as usize, a as usize)] {
+                    if away[from] + side < away[to] {
+                        (away[to], changed) = (away[from] + side, true);
+                    }
+                }
+            }
+        }
+        away
+    };
+    for one in hierarchy.loops(0, LoopsKind::Handle).unwrap().iter() {
+        // Points above the loop, a little away from one corner of every third triangle.
+        let corners: Vec<u32> = one.iter().step_by(3).map(|&t| triangles[t as usize][0]).collect();
+        let points: Vec<[f64; 3]> = corners.iter().map(|&v| positions[v as usize].map(|x| x + 1e-3)).collect();
+        let picked = hierarchy.vertices_near(&points, Some(0.01)).unwrap();
+        assert_eq!(picked, corners);
+        let loops = hierarchy.loops_through(&[&picked]).unwrap();
+        let path = loops.get(0).unwrap();
+        let shortest: f64 =
+            (0..picked.len()).map(|i| distances(picked[i])[picked[(i + 1) % picked.len()] as usize]).sum();
+        assert!((sum(path) - shortest).abs() < 1e-9 && picked.iter().all(|stop| path.contains(stop)));
+        let given = Loops::triangles(0).with(one, 1.0);
+        assert!(close(energy(&hierarchy, &loops), energy(&hierarchy, &given)));
+    }
+    let far = [[100.0; 3]];
+    let refused = |error: Error, words: &str| {
+        assert_eq!((error.status(), error.element()), (Status::ERROR_OPTIONS, Some(Element::Option)));
+        assert!(error.message().contains(words), "{error}");
+    };
+    refused(hierarchy.vertices_near(&far, None).unwrap_err(), "Point 0, [100.0, 100.0, 100.0], is ");
+    assert!(hierarchy.vertices_near(&far, Some(1000.0)).is_ok());
+    let above = [positions[0].map(|x| x - 1e-3)];
+    refused(hierarchy.vertices_near(&above, Some(1e-6)).unwrap_err(), "more than within, 1.000e-6");
+    refused(hierarchy.vertices_near(&[[f64::NAN; 3]], None).unwrap_err(), "from the surface");
+    refused(hierarchy.loops_through(&[&[0, 1]]).unwrap_err(), "at least three");
+    refused(hierarchy.loops_through(&[&[0, 1, u32::MAX]]).unwrap_err(), "does not exist");
 }

@@ -6,6 +6,7 @@ use crate::error::Status;
 use crate::foliation::Foliation;
 use crate::loops::Loops;
 use crate::owned::{make, slice, Owned};
+use crate::progress::unwatched;
 use crate::records::{record, Read};
 use foliations_sys as sys;
 use std::ptr;
@@ -14,7 +15,7 @@ record! {
     /// A cylinder of a harmonic foliation, filled with closed leaves of one class.
     #[derive(Copy)]
     Cylinder from hmf_cylinder {
-        /// Its loop; `None` if no loops were given.
+        /// Its loop; `None` if the loops of the foliation are not known.
         loop_index: Option<u32> = |raw: &sys::hmf_cylinder| raw.loop_.read(),
         /// The weight of the loop, exactly.
         height: f64,
@@ -54,8 +55,8 @@ impl Foliation {
     /// The cylinders of a harmonic foliation: the critical leaves cut the surface into
     /// one for each loop, filled with closed leaves of its class.
     ///
-    /// `loops` are those that the foliation belongs to, on any level; with `None`,
-    /// [`Cylinder::loop_index`] is `None`. Heights are those of the leaves. Circumference, modulus and
+    /// `loops` are those that the foliation belongs to, on any level; `None`: those of [`Foliation::loops`]. If that
+    /// has none, [`Cylinder::loop_index`] is `None`. Heights are those of the leaves. Circumference, modulus and
     /// area are those of the minimum, where energy = sum of height * circumference = sum
     /// of areas. Matching takes about as long as two solves on the coarsest level.
     ///
@@ -65,7 +66,8 @@ impl Foliation {
     /// [`Status::ERROR_VALUE_NOT_HARMONIC`] if their energy is 1 % above the minimum,
     /// others of class 500, [`Status::CANCELLED`], and classes 100, 200, 400.
     pub fn cylinders(&self, loops: Option<&Loops>) -> Result<Cylinders> {
-        let set = loops.map(Loops::as_raw);
+        let own = if loops.is_none() { unwatched(|| self.loops())? } else { None };
+        let set = loops.or(own.as_ref()).map(Loops::as_raw);
         let set = set.as_ref().map_or(ptr::null(), ptr::from_ref);
         // SAFETY: the handle is valid, and the set borrows from `loops`.
         let block: Owned<sys::hmf_cylinder_set> =
