@@ -24,7 +24,7 @@ int32_t loop_kind(const std::string& name) {
 Run::Run(SolveRequest& request, const Options& options) :
     r_(request), options_(options), kind_(loop_kind(request.loops)) {}
 
-Outcome Run::go() {
+void Run::make() {
     choose_style();
     read();
     r_.threads = progress_.use_threads(r_.threads);
@@ -32,6 +32,10 @@ Outcome Run::go() {
     choose_loops();
     solve();
     describe();
+    make_quad_meshes();
+}
+
+Outcome Run::finish() {
     write();
     report();
     return std::move(outcome_);

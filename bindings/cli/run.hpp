@@ -26,8 +26,11 @@ namespace cli {
 class Run {
 public:
     Run(SolveRequest& request, const Options& options);
-    Outcome go();
-    // After a run: whether even loops carry no good quads of the wished size, so that cut loops are worth a try; and
+    // The foliation and the quads; no file is written.
+    void make();
+    // The files and the report.
+    Outcome finish();
+    // Between both: whether even loops carry no good quads of the wished size, so that cut loops are worth a try; and
     // whether those are better.
     bool wants_cut_loops() const;
     bool has_quads() const { return !quad_meshes_.empty(); }
@@ -65,7 +68,10 @@ private:
     // Values, history, marks, loops.
     void write_numbers();
     void make_quad_meshes();
+    // How many quads the loops need at least; says so, before these are made, if that is far more than are wished.
     void count_fewest();
+    bool is_far_above(size_t quads) const; // the wished number
+    void write_quad_meshes();
     void write_leaf_lines();
     // (u, v) of each corner of the whole mesh, for all outputs that need it; NULL: of none, or not needed.
     const double* unfold(bool wants_uv);
@@ -186,7 +192,7 @@ private:
     size_t leaves_ = 0, quads_ = 0;                               // written
     size_t irregular_ = 0, inverted_ = 0;                         // vertices, quads
     double quad_area_ = 0, covered_area_ = 0, quad_distance_ = 0; // of the quads, of their surface; the greatest
-    size_t fewest_ = 0;        // quads where as few as possible are wished; 0: no more than are wished
+    size_t fewest_ = 0;        // quads where as few as possible are wished; 0: about as many as are wished, or fewer
     bool has_doubled_ = false; // as few quads as are wished were refused
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
 #include "loop_lines.hpp"
 #include "marks.hpp"
@@ -13,8 +15,9 @@ namespace cli {
 
 namespace {
 
-constexpr double FAR_ABOVE = 1.15; // the wished number
-constexpr double DOUBLED = 1.5;    // likewise: what is between is rounding
+constexpr double FAR_ABOVE = 1.15;    // the wished number
+constexpr size_t QUADS_OF_LOOP = 100; // with more for each loop than this, the least possible number is not in question
+constexpr double DOUBLED = 1.5;       // likewise: what is between is rounding
 
 // Of the largest coordinate: with it taken away squares of areas neither overflow nor vanish.
 int exponent_of(const std::vector<double>& positions) {
@@ -49,7 +52,7 @@ void Run::write() {
     });
     if (has_start_ && !weights_given_ && (pictured || !r_.leaves.empty())) find_weights();
     f_.loop_weights = r_.weights;
-    make_quad_meshes();
+    write_quad_meshes();
     write_leaf_lines();
     const double* const uv = unfold(wants_uv);
     double period = 1;
@@ -83,28 +86,41 @@ void Run::write_numbers() {
 }
 
 void Run::make_quad_meshes() {
+    control_ = progress_.part("quads", 0, 1);
+    const bool may_miss = !r_.quads.empty() && r_.count > 0;
+    if (may_miss && r_.count < QUADS_OF_LOOP * loop_count_) count_fewest();
     const bool is_shown = style_.pattern == Pattern::quads;
     attempt_each(r_.quads.empty() ? "--pattern" : "--quads", !r_.quads.empty() || is_shown, [&](Component& c) {
         quad_meshes_.push_back(make_quads(c.foliation(), quad_wish(c), control_, c.subject()));
     });
+    progress_.clear();
+    if (r_.quads.empty()) return;
+    for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) {
+        quads_ += mesh->quad_count;
+        irregular_ += mesh->irregular_count;
+        inverted_ += mesh->inverted_count;
+        const double surface = mesh->edge_length * mesh->edge_length * static_cast<double>(mesh->quad_count);
+        quad_area_ += mesh->area_ratio * surface;
+        covered_area_ += surface;
+        quad_distance_ = std::max(quad_distance_, mesh->distance);
+    }
+    if (may_miss && is_far_above(quads_) && fewest_ == 0) {
+        count_fewest();
+        has_doubled_ = fewest_ == 0 && static_cast<double>(quads_) > DOUBLED * static_cast<double>(r_.count);
+    }
+    if (fewest_ > 0 && quads_ > 0) fewest_ = std::min(fewest_, quads_);
+}
+
+void Run::write_quad_meshes() {
     attempt("--quads", !quad_meshes_.empty() && !r_.quads.empty(), [&] {
+        const size_t made = std::exchange(quads_, 0);
         write_quads(r_.quads, quad_meshes_);
-        for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) {
-            quads_ += mesh->quad_count;
-            irregular_ += mesh->irregular_count;
-            inverted_ += mesh->inverted_count;
-            const double surface = mesh->edge_length * mesh->edge_length * static_cast<double>(mesh->quad_count);
-            quad_area_ += mesh->area_ratio * surface;
-            covered_area_ += surface;
-            quad_distance_ = std::max(quad_distance_, mesh->distance);
-        }
+        quads_ = made;
     });
-    if (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count)) count_fewest();
 }
 
 bool Run::wants_cut_loops() const {
-    const bool has_missed = (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count))
-                         || !area_sentence().empty();
+    const bool has_missed = (r_.count > 0 && is_far_above(quads_)) || !area_sentence().empty();
     return kind_ == LOOPS_EVEN && is_alone() && !was_interrupted() && !r_.quads.empty()
         && (quad_meshes_.empty() || (inverted_ > 0 && has_missed));
 }
@@ -113,17 +129,28 @@ bool Run::has_better_quads_than(const Run& other) const {
     return has_quads() && (!other.has_quads() || inverted_ < other.inverted_);
 }
 
+bool Run::is_far_above(size_t quads) const {
+    return static_cast<double>(quads) > FAR_ABOVE * static_cast<double>(r_.count);
+}
+
 // Each critical leaf and each cylinder needs its columns and rows.
 void Run::count_fewest() {
     size_t fewest = 0;
-    attempt_each("--count", true, [&](Component& c) {
+    for (Component& c : components_) {
+        if (c.is_refused()) continue;
         hmf_quad_options wish = quad_wish(c);
         wish.count = 1;
         wish.relax = 0;
-        fewest += make_quads(c.foliation(), wish, control_, c.subject())->quad_count;
-    });
-    if (fewest > r_.count) fewest_ = std::min(fewest, quads_);
-    else has_doubled_ = static_cast<double>(quads_) > DOUBLED * static_cast<double>(r_.count);
+        try {
+            fewest += make_quads(c.foliation(), wish, control_, c.subject())->quad_count;
+        } catch (const Failure&) {} // those that are wished fail likewise
+    }
+    if (!is_far_above(fewest)) return;
+    fewest_ = fewest;
+    if (quads_ > 0) return;
+    progress_.clear();
+    std::fprintf(stderr, "hmf: %s: %zu quads are wished, and these loops and marked vertices need about %zu\n",
+                 name_.c_str(), static_cast<size_t>(r_.count), fewest);
 }
 
 void Run::write_leaf_lines() {

@@ -41,7 +41,9 @@ Outcome solve(const std::vector<std::string>& words) {
     if (!request.start.empty() && !request.weights.empty() && request.image.empty() && request.obj.empty()
         && request.textured.empty() && request.leaves.empty())
         throw Failure(EXIT_USAGE, "--weights: has no effect with --start, whose values have their own; leave it out");
-    return Run(request, options).go();
+    Run run(request, options);
+    run.make();
+    return run.finish();
 }
 
 Outcome quads(const std::vector<std::string>& words) {
@@ -50,21 +52,22 @@ Outcome quads(const std::vector<std::string>& words) {
     parse(options, words, "quads");
     choose_source(options, request);
     if (request.no_poles) request.marks = "none";
-    const SolveRequest wished = request;
+    SolveRequest cut = request;
+    cut.loops = "cut";
     Run run(request, options);
-    Outcome outcome = run.go();
-    if (!run.wants_cut_loops()) return outcome;
-    request = wished;
-    request.loops = "cut";
+    run.make();
+    if (!run.wants_cut_loops()) return run.finish();
     try {
-        Run other(request, options);
-        Outcome made = other.go();
-        made.notes.push_back("even loops carry no good quads of this size; these are of --loops cut");
-        if (other.has_better_quads_than(run)) return made;
+        Run other(cut, options);
+        other.make();
+        if (other.has_better_quads_than(run)) {
+            request.loops = cut.loops; // in the report
+            Outcome made = other.finish();
+            made.notes.push_back("even loops carry no good quads of this size; these are of --loops cut");
+            return made;
+        }
     } catch (const Failure&) {}
-    if (!run.has_quads()) return outcome;
-    request = wished; // the files are of the cut loops
-    return Run(request, options).go();
+    return run.finish();
 }
 
 } // namespace cli

@@ -685,9 +685,9 @@ typedef struct hmf_quad_mesh {
  * edges, on the boundary 3.
  *
  * With `count` the number of quads is met as nearly as the grids allow, and is at least what
- * the cylinders need.  With `relax` vertices leave the leaves and move on the surface to
- * improve angles and sides; they also move to sharp edges, corners and tips of protrusions.
- * inverted_count counts the quads that remain inverted.
+ * the cylinders need (made by `count` = 1, `relax` = 0).  With `relax` vertices leave the leaves
+ * and move on the surface to improve angles and sides; they also move to sharp edges, corners and
+ * tips of protrusions.  inverted_count counts the quads that remain inverted.
  *
  * With boundary (level 0) boundary vertices lie on the boundary of the surface: rows end there
  * where leaves run along it, columns where leaves meet it.  Zeros of the boundary are vertices,

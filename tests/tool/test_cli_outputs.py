@@ -296,6 +296,7 @@ class Outputs(Case):
             done = self.run_tool("quads", mesh, self.path("q.obj"), "--count", count, "--report", self.path("r.json"))
             self.assertEqual(json.loads(self.read("r.json")).get("quads_fewest"), fewest)
             self.assertEqual("4 were wished, and these loops and marked vertices need about 9" in done.stdout, count == "4")
+            self.assertEqual("4 quads are wished, and these loops and marked vertices need about 9" in done.stderr, count == "4")
 
     def test_quads_of_a_star(self):
         """No quad of a flat star looks down, and an area that is not the star's is said."""

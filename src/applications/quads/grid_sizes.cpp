@@ -14,21 +14,14 @@ void GridSizes::take(const QuadInput& in, const QuadSizes& sizes, const QuadWish
     if (in.front) tune_rows(in, sizes, wish);
 }
 
-int64_t GridSizes::across(const QuadInput& in, uint32_t c) const {
-    if (in.graph.zeros.empty()) return ring;
-    int64_t sum = 0;
-    const Boundary& b = in.graph.boundaries[in.cylinders.list[c].lower];
-    for (uint32_t a = b.arcs_begin; a < b.arcs_end; ++a) sum += columns[a];
-    return sum;
-}
-
 // As many rows in front as requested, and at least those of the sizes.
 void GridSizes::tune_rows(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish) {
     const auto part = [&](uint32_t c) {
         return in.is_annulus() && in.part_of(c) == Part::front ? Part::ring : in.part_of(c);
     };
     const auto quads = [&](uint32_t c) -> int64_t { // for two rows of the double
-        return part(c) == Part::back ? 0 : part(c) == Part::front ? 2 * across(in, c) : across(in, c);
+        const int64_t n = columns_across(in.cylinders, columns, ring, c);
+        return part(c) == Part::back ? 0 : part(c) == Part::front ? 2 * n : n;
     };
     double step = wish.step;
     for (int round = 0; round < 8; ++round) {

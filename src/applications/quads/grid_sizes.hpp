@@ -19,7 +19,6 @@ public:
     void take(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish);
 
 private:
-    int64_t across(const QuadInput& in, uint32_t cylinder) const;
     void tune_rows(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish);
 };
 

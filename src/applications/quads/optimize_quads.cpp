@@ -22,6 +22,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t SLICE = 256;    // vertices between ticks
+constexpr uint8_t UNKNOWN = 2;     // whether a quad is folded
 constexpr int MOST_RIM_EDGES = 64; // between two neighbors on the boundary
 
 // The corners of a quad from v on.
@@ -67,7 +68,9 @@ hmf_status QuadOptimizer::start() {
         return call_.out_of_memory();
     size_t most = 0;
     for (uint32_t v = 0; v < n; ++v) most = std::max(most, static_cast<size_t>(stars_.end(v) - stars_.begin(v)));
-    if (!before_.allocate(memory, 4 * most) || !after_.allocate(memory, 4 * most)) return call_.out_of_memory();
+    if (!before_.allocate(memory, 4 * most) || !after_.allocate(memory, 4 * most) || !around_.allocate(memory, most)
+        || !folded_.allocate(memory, quads_.quad_count()))
+        return call_.out_of_memory();
     look_again();
     return set_targets() ? HMF_OK : call_.stopped();
 }
@@ -77,6 +80,7 @@ void QuadOptimizer::look_again() {
         normal_[v] = normals_.at(quads_.sides[v], at(quads_, v));
         awake_[v] = 1;
     }
+    for (uint8_t& f : folded_) f = UNKNOWN;
 }
 
 // Sides with one quad are those of the boundary.
@@ -276,10 +280,10 @@ bool QuadOptimizer::move(uint32_t v) {
         for (double& x : step) x *= most / length;
     const Point from = at(quads_, v), normal = normal_[v];
     const uint32_t h = quads_.sides[v];
-    const size_t bad = barrier_ ? bad_around(v) : 0;
+    for (const uint32_t* q = stars_.begin(v); barrier_ && q != stars_.end(v); ++q) is_folded(*q);
     for (const double t : STEPS) {
         const double part[2] = {t * step[0], t * step[1]};
-        if (!try_step(v, axes, part, s.energy, bad)) {
+        if (!try_step(v, axes, part, s.energy)) {
             quads_.put(v, from, h);
             normal_[v] = normal;
             continue;
@@ -290,14 +294,21 @@ bool QuadOptimizer::move(uint32_t v) {
     return false;
 }
 
-// Folded quads around v.
-size_t QuadOptimizer::bad_around(uint32_t v) const {
-    size_t bad = 0;
-    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) bad += is_folded(*q);
-    return bad;
+// After a step of v: whether no more of the quads around it are folded than before.
+bool QuadOptimizer::folds_no_more(uint32_t v) {
+    size_t before = 0, now = 0, k = 0;
+    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q, ++k) {
+        around_[k] = find_folded(*q);
+        now += around_[k];
+        before += folded_[*q];
+    }
+    if (now > before) return false;
+    k = 0;
+    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q, ++k) folded_[*q] = around_[k];
+    return true;
 }
 
-bool QuadOptimizer::try_step(uint32_t v, const Axes& axes, const double* step, double before, size_t bad) {
+bool QuadOptimizer::try_step(uint32_t v, const Axes& axes, const double* step, double before) {
     const Point off = step[0] * axes.first + step[1] * axes.second, to = at(quads_, v) + off;
     Point there;
     uint32_t side = quads_.sides[v];
@@ -314,7 +325,9 @@ bool QuadOptimizer::try_step(uint32_t v, const Axes& axes, const double* step, d
     const size_t count = 4 * static_cast<size_t>(stars_.end(v) - stars_.begin(v));
     for (size_t k = 0; barrier_ && k < count; ++k)
         if (!(after_[k] > 0) && !(after_[k] >= before_[k])) return false;
-    return !barrier_ || bad_around(v) <= bad;
+    if (barrier_) return folds_no_more(v);
+    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) folded_[*q] = UNKNOWN;
+    return true;
 }
 
 Done QuadOptimizer::sweep(bool forward, double& moved) {
@@ -348,12 +361,17 @@ hmf_status QuadOptimizer::shape(int sweeps) {
 
 // As it is counted (quad_figures.hpp), but only a quad that looks against the surface at one of its corners is compared
 // with all of it.
-bool QuadOptimizer::is_folded(size_t q) const {
+bool QuadOptimizer::find_folded(size_t q) const {
     const Around quad(quads_, static_cast<uint32_t>(q), quads_.quads[4 * q]);
     const Point n = quad.diagonals();
     bool agrees = true;
     for (const uint32_t v : quad.corner) agrees = agrees && dot(normal_[v], n) > 0;
     return !((agrees ? worst_corner(quads_, q) : worst_corner_from_outside(surface_, quads_, q)) > 0);
+}
+
+bool QuadOptimizer::is_folded(size_t q) {
+    if (folded_[q] == UNKNOWN) folded_[q] = find_folded(q);
+    return folded_[q];
 }
 
 Done QuadOptimizer::count_folded(size_t& count) {

@@ -39,14 +39,15 @@ private:
     double boundary_energy(uint32_t v, const Axes* axes, Slopes* sum) const;
     double side_of(uint32_t v) const;
     bool move(uint32_t v);
-    size_t bad_around(uint32_t v) const;
-    bool try_step(uint32_t v, const Axes& axes, const double* step, double before, size_t bad);
+    bool folds_no_more(uint32_t v);
+    bool try_step(uint32_t v, const Axes& axes, const double* step, double before);
     Done sweep(bool forward, double& moved);
     Done set_targets();
     Done find_boundary();
     double least_area() const;
     Done count_folded(size_t& count);
-    bool is_folded(size_t q) const;
+    bool is_folded(size_t q);
+    bool find_folded(size_t q) const;
     Done mark_region(int rings, bool lets_go);
     [[nodiscard]] hmf_status untangle_round(int round);
     bool is_fixed(uint32_t v) const { return quads_.held[v] && !can_slide(quads_.held[v]); }
@@ -65,6 +66,8 @@ private:
     Array<uint8_t> awake_;           // per vertex: it, or what is near it, has moved since its last step
     Array<uint8_t> region_;          // per vertex: may move; empty: all may
     Array<double> before_, after_;   // areas of corners around one vertex
+    Array<uint8_t> folded_;          // per quad: 0, 1, or not known since a vertex of it moved
+    Array<uint8_t> around_;          // likewise, of the quads around one vertex after a step
     double mean_ = 0;                // area of the quads
     double eps_ = 0, growth_ = 0, sag_ = 0;
     bool barrier_ = true;

@@ -81,12 +81,13 @@ bool QuadStars::is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const {
     return true;
 }
 
-double QuadStars::worst_corner(const SurfaceSearch& surface, const QuadMesh& quads, uint32_t v) const {
+double QuadStars::worst_corner(const SurfaceSearch& surface, QuadMesh& quads, uint32_t v, const Point& p) const {
+    const Point from = at(quads, v);
     double worst = 1;
-    for (const uint32_t* q = begin(v); q != end(v); ++q) {
-        const double corner = worst_corner_from_outside(surface, quads, *q);
-        if (corner < worst) worst = corner;
-    }
+    quads.put(v, p, quads.sides[v]);
+    for (const uint32_t* q = begin(v); q != end(v); ++q)
+        worst = std::min(worst, worst_corner_from_outside(surface, quads, *q));
+    quads.put(v, from, quads.sides[v]);
     return worst;
 }
 

@@ -39,8 +39,8 @@ public:
     // Whether only one quad has the side from a to b.
     bool is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const;
 
-    // The least of the quads around v, from outside.
-    double worst_corner(const SurfaceSearch& surface, const QuadMesh& quads, uint32_t v) const;
+    // The least of the quads around v, from outside, if v were at p.
+    double worst_corner(const SurfaceSearch& surface, QuadMesh& quads, uint32_t v, const Point& p) const;
 
 private:
     Array<uint32_t> first_, quads_;

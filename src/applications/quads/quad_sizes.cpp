@@ -64,10 +64,10 @@ hmf_status QuadSizes::start(const Cylinders& cylinders, const Array<double>& len
     return HMF_OK;
 }
 
-int64_t QuadSizes::across(uint32_t c) const {
-    if (graph().zeros.empty()) return ring;
+int64_t columns_across(const Cylinders& cylinders, const Array<int64_t>& columns, int64_t ring, uint32_t c) {
+    if (cylinders.graph.zeros.empty()) return ring;
     int64_t sum = 0;
-    const Boundary& b = graph().boundaries[cylinders_->list[c].lower];
+    const Boundary& b = cylinders.graph.boundaries[cylinders.list[c].lower];
     for (uint32_t a = b.arcs_begin; a < b.arcs_end; ++a) sum += columns[a];
     return sum;
 }

@@ -16,6 +16,9 @@ Done copy_array(const Array<T>& from, Array<T>& to, Memory& memory) {
     return true;
 }
 
+// Around a cylinder.  columns: per side of an arc; ring: of the closed leaf, if there is no zero.
+int64_t columns_across(const Cylinders& cylinders, const Array<int64_t>& columns, int64_t ring, uint32_t cylinder);
+
 class QuadSizes {
 public:
     Array<int64_t> columns; // per side of an arc, both sides the same; 0: its ends become one
@@ -37,7 +40,7 @@ public:
     [[nodiscard]] hmf_status widen_at_poles(Call& call);
 
     int64_t quad_count() const; // with one quad over each pole
-    int64_t across(uint32_t cylinder) const;
+    int64_t across(uint32_t c) const { return columns_across(*cylinders_, columns, ring, c); }
 
 private:
     int64_t rows_needed(uint32_t cylinder);

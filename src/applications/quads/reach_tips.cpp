@@ -101,23 +101,13 @@ private:
             if (square_of(place.p - p) > 0) continue; // it is on another part of the surface nearby
             if (half)
                 place.side = walk_to_nearest(mesh_, position_, quads_.sides[v], 0.5 * (at(quads_, v) + p), place.p);
-            const double worst = worst_after(v, place);
+            const double worst = stars_.worst_corner(surface_, quads_, v, place.p);
             if (!(worst > best_corner)) continue;
             best_corner = worst;
             best = v;
             to = place;
         }
         return best;
-    }
-
-    // The worst corner if v went there.
-    double worst_after(uint32_t v, const Place& to) {
-        const Point back = at(quads_, v);
-        const uint32_t side = quads_.sides[v];
-        quads_.put(v, to.p, to.side);
-        const double worst = stars_.worst_corner(surface_, quads_, v);
-        quads_.put(v, back, side);
-        return worst;
     }
 
     const Mesh& mesh_;

@@ -58,10 +58,13 @@ public:
         Judged best;
         if (make(number, out, best)) return call_.status();
         while (wish_.relax > 0 && (best.figures.inverted > 0 || best.badness() >= 1)) {
-            if (most < 0 && find_most(most)) return call_.status();
+            QuadMesh more;
+            if (most < 0) { // rounding stretches quads of a number near the least possible one
+                if (make_unfitted(1, more)) return call_.status();
+                most = std::min(MOST_TIMES * static_cast<double>(more.quad_count()), static_cast<double>(MOST_QUADS));
+            }
             number = 2 * best.count;
             if (number > most) break;
-            QuadMesh more;
             Judged judged;
             if (make(number, more, judged)) return call_.status();
             if (!judged.is_better_than(best)) break;
@@ -86,14 +89,6 @@ private:
                               "edge_length is out of proportion to the surface.");
         if (make_quads(f_, position_, cylinders_, wish_.front, first, out, call_)) return call_.status();
         if (wish_.front) front_.bring_forward(position_, out);
-        return HMF_OK;
-    }
-
-    // The number of quads up to which more are tried: rounding stretches those of a number near the least possible one.
-    hmf_status find_most(double& most) {
-        QuadMesh fewest;
-        if (make_unfitted(1, fewest)) return call_.status();
-        most = std::min(MOST_TIMES * static_cast<double>(fewest.quad_count()), static_cast<double>(MOST_QUADS));
         return HMF_OK;
     }
 

@@ -107,21 +107,15 @@ private:
     Done put(size_t& snapped) {
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
             if (!call_.work(256, 0, false)) return false;
-            if (!snaps_[v] || quads_.held[v] || !put(v, on_edge(edge_[v], v), edges_[edge_[v]])) continue;
+            if (!snaps_[v] || quads_.held[v]) continue;
+            // Not where a corner of its quads would get too flat or too sharp.
+            const Point p = on_edge(edge_[v], v);
+            if (!(stars_.worst_corner(surface_, quads_, v, p) > LEAST_TAKEN)) continue;
+            quads_.put(v, p, edges_[edge_[v]]);
             quads_.held[v] = ON_CREASE;
             ++snapped;
         }
         return true;
-    }
-
-    // False if a corner of its quads would get too flat or too sharp: it stays where it was.
-    bool put(uint32_t v, const Point& p, uint32_t half_edge) {
-        const Point from = at(quads_, v);
-        const uint32_t side = quads_.sides[v];
-        quads_.put(v, p, half_edge);
-        if (stars_.worst_corner(surface_, quads_, v) > LEAST_TAKEN) return true;
-        quads_.put(v, from, side);
-        return false;
     }
 
     uint32_t next_corner(size_t i) const { return quads_.quads[i / 4 * 4 + (i + 1) % 4]; }
