@@ -51,8 +51,9 @@ TriangleMesh read_mesh(const std::string& path) {
                       extension = mesh_extension(path);
     std::optional<readers::Format> format = readers::format_of_extension(extension);
     if (!format && !extension.empty())
-        throw Failure(EXIT_USAGE, path + ": the tool does not read \"" + extension + "\" files; give " + known
-                                      + ", or convert it: the Python package reads what trimesh and meshio read");
+        throw Failure(EXIT_USAGE,
+                      path + ": the tool does not read \"" + extension + "\" files; give " + known
+                          + ", or convert it: the Python package reads what trimesh, meshio and pyvista read");
     const FileBytes file(path);
     std::string unpacked;
     std::string_view bytes = file.view();
