@@ -58,14 +58,10 @@ std::vector<double> kept(const TriMesh& mesh) {
                               mesh.triangle_count(), options, call),
               HMF_OK);
     FoundLoops found;
-    DoubledLoops doubled;
+    WeightedLoops doubled;
     EXPECT_EQ(surface_loops(h, HMF_LOOPS_PANTS, call, found), HMF_OK);
-    const SurfaceLoops loops = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
-                                found.triangles.data(), found.arcs.data(), found.arc_sides.data(),
-                                found.is_round.data()};
-    EXPECT_EQ(double_loops(h, loops, call, doubled), HMF_OK);
+    EXPECT_EQ(double_loops(h, found.set(), found.is_round.data(), call, doubled), HMF_OK);
     EXPECT_EQ(check_loops(h.input, doubled.loops, call, nullptr), HMF_OK);
-    const LoopsOfDouble of_double = {doubled.loops, doubled.of, doubled.factor, found.count()};
     Array<double> weights;
     EXPECT_TRUE(weights.allocate_filled(h.memory, found.count(), 1.0));
     size_t with = 0;
@@ -80,7 +76,7 @@ std::vector<double> kept(const TriMesh& mesh) {
     double unevenness = 0;
     EXPECT_EQ(search.start(), HMF_OK);
     bool bare = true;
-    EXPECT_EQ(search.keep_all_if_bare(of_double, weights, unevenness, bare), HMF_OK);
+    EXPECT_EQ(search.keep_all_if_bare(doubled, weights, unevenness, bare), HMF_OK);
     EXPECT_FALSE(bare);
     return {weights.begin(), weights.end()};
 }

@@ -350,7 +350,7 @@ TEST(Homotopy, WordsGoFromLevelToLevel) {
             const auto compare = [&](const hmf::Mesh& m) {
                 hmf::Loops loops;
                 hmf::CurveWords words;
-                hmf::CurveNames fresh, names;
+                hmf::ClassTable fresh, names;
                 ASSERT_TRUE(loops.start(memory) && words.start(m, m.edge_count, call));
                 for (size_t k = 0; k < 300; ++k) {
                     Path loop = without_spurs(random_loop(m, 30 + random.below(2000), random));

@@ -31,7 +31,7 @@ hmf_status keep_front_of_set(const hmf_hierarchy& h, const hmf_loop_set& loops, 
                              CylindersWithLeaves cylinders, Array<double>& heights, Call& call) {
     hmf_loop_set all;
     if (read_options(&loops, all, "hmf_loop_set", call)
-        || keep_front_cylinders({all.count, all.arcs, given.factor, h.surface_triangles}, cylinders, call))
+        || keep_front_cylinders(all, given.factor, h.surface_triangles, cylinders, call))
         return call.status();
     for (size_t c = 0; c < cylinders.list.size(); ++c) heights[c] = cylinders.list[c].height;
     return HMF_OK;
@@ -65,7 +65,6 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
             "of the foliation, and carry it to level 0.");
     WeightedLoops given;
     if (loops && read_loop_set(h, loops, nullptr, given, call)) return call.status();
-    const GivenWeights of_loops{given.level, given.loops, given.weights, given.unit};
     Leaves leaves;
     State solved;
     Curves curves;
@@ -83,7 +82,7 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
     double unit = foliation->unit, area_error = 0;
     if (load_solved_in_unit_of_values(*foliation, solved, call)
         || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
-        || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &of_loops : nullptr, solved,
+        || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &given : nullptr, solved,
                              unit, list, h.is_double() ? nullptr : &twists, call)
         || check_sum_of_areas(list, solved, unit, area_error, call))
         return call.status();

@@ -18,10 +18,7 @@ hmf_status loops_of_surface(const hmf_hierarchy& h, size_t level, int32_t kind, 
                          static_cast<unsigned long long>(level));
     FoundLoops found;
     if (surface_loops(h, kind, call, found)) return call.status();
-    hmf_loop_set made{};
-    made.struct_size = sizeof made;
-    made.element_kind = HMF_PATH_TRIANGLES;
-    made.count = found.count();
+    hmf_loop_set made = found.set();
     ResultBlock block;
     block.array(made, made.offsets, found.offsets.size(), found.offsets.data());
     block.array(made, made.elements, found.triangles.size(), found.triangles.data());
@@ -36,9 +33,7 @@ hmf_status weighted_cut_system(const hmf_hierarchy& h, size_t level, WeightedLoo
     if (h.is_double()) {
         FoundLoops found;
         if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
-        const hmf_loop_set made = {sizeof made,   HMF_PATH_TRIANGLES,   0,
-                                   found.count(), found.offsets.data(), found.triangles.data(),
-                                   nullptr,       found.arcs.data(),    found.arc_sides.data()};
+        const hmf_loop_set made = found.set();
         return read_loop_set(h, &made, found.is_round.data(), out, call);
     }
     out.level = level;

@@ -40,7 +40,7 @@ hmf_status CurveClasses::to_intrinsic(Call& call) {
     return HMF_OK;
 }
 
-hmf_status CurveClasses::name(const Loops& loops, CurveNames& names, Call& call) const {
+hmf_status CurveClasses::name(const Loops& loops, ClassTable& names, Call& call) const {
     names.start(call.memory);
     const auto half_edge = [&](uint64_t i) { return loops.crossings[i]; };
     for (size_t c = 0; c < loops.count(); ++c) {
@@ -50,7 +50,7 @@ hmf_status CurveClasses::name(const Loops& loops, CurveNames& names, Call& call)
     return HMF_OK;
 }
 
-hmf_status CurveClasses::name(const Cylinders& cylinders, CurveNames& names, Call& call) const {
+hmf_status CurveClasses::name(const Cylinders& cylinders, ClassTable& names, Call& call) const {
     names.start(call.memory);
     for (const Cylinder& c : cylinders.list) {
         if (!call.tick(0)) return call.was_cancelled();

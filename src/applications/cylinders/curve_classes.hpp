@@ -1,10 +1,10 @@
 // Curves on several levels of a hierarchy, compared by their free homotopy
 // classes: words (curve_words.hpp) go along from a coarse level to the finer ones,
-// and curves are named (curve_names.hpp) where they lie.
+// and curves are named (class_table.hpp) where they lie.
 #pragma once
 
 #include "../../core/hierarchy/hierarchy.hpp"
-#include "../../core/homotopy/curve_names.hpp"
+#include "../../core/homotopy/class_table.hpp"
 #include "../../core/curves/loops.hpp"
 #include "../../core/leaves/class_certificate.hpp"
 #include "../../core/leaves/cylinders.hpp"
@@ -23,8 +23,8 @@ public:
     size_t level() const { return level_; }
 
     // Loops on this mesh; the cylinders of a foliation on it, by their lower boundaries.
-    [[nodiscard]] hmf_status name(const Loops& loops, CurveNames& names, Call& call) const;
-    [[nodiscard]] hmf_status name(const Cylinders& cylinders, CurveNames& names, Call& call) const;
+    [[nodiscard]] hmf_status name(const Loops& loops, ClassTable& names, Call& call) const;
+    [[nodiscard]] hmf_status name(const Cylinders& cylinders, ClassTable& names, Call& call) const;
 
 private:
     const hmf_hierarchy* hierarchy_ = nullptr;

@@ -22,7 +22,7 @@ Done keys_of_cylinders(const GivenCylinders& given, Array<int64_t>& keys, Memory
 }
 
 // The heights that the cylinders of the loops must have.
-Done keys_of_loops(const GivenCylinders& given, const GivenWeights& loops, Array<int64_t>& keys, Memory& memory) {
+Done keys_of_loops(const GivenCylinders& given, const WeightedLoops& loops, Array<int64_t>& keys, Memory& memory) {
     if (!keys.allocate(memory, loops.weights.size())) return false;
     for (size_t c = 0; c < keys.size(); ++c)
         keys[c] = static_cast<int64_t>(static_cast<double>(loops.weights[c]) * (loops.unit / given.unit));
@@ -30,13 +30,13 @@ Done keys_of_loops(const GivenCylinders& given, const GivenWeights& loops, Array
 }
 
 // Builds `measured`; found[c]: its cylinder that is cylinder c.  Fills out[c].loop, unless loops is NULL.
-hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loops, State& solved, Cylinders& measured,
+hmf_status match_by_classes(const GivenCylinders& given, const WeightedLoops* loops, State& solved, Cylinders& measured,
                             Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
     const size_t n = given.cylinders.list.size(), level = given.state.level;
     const size_t first = loops ? std::max(level, loops->level) : level,
                  last = loops ? std::min(level, loops->level) : level;
     CurveClasses classes;
-    CurveNames own, at_minimum, of_loops;
+    ClassTable own, at_minimum, of_loops;
     if (measured.build(solved.foliation, nullptr, nullptr, call) || classes.start(*solved.hierarchy, first, last, call))
         return call.status();
     for (;;) {
@@ -69,7 +69,7 @@ hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loo
 
 } // namespace
 
-hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved, double unit,
+hmf_status measure_cylinders(const GivenCylinders& given, const WeightedLoops* loops, State& solved, double unit,
                              Array<hmf_cylinder>& out, Twists* twists, Call& call) {
     const size_t n = given.cylinders.list.size();
     Cylinders measured;

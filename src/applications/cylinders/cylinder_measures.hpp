@@ -18,13 +18,6 @@ struct GivenCylinders {
     double unit; // of the values
 };
 
-struct GivenWeights {
-    size_t level;
-    const Loops& loops; // on the caller's side of the level
-    const Array<int64_t>& weights;
-    double unit; // of the weights
-};
-
 struct Twists { // as in hmf_cylinder_set
     Array<double> twist, places;
     Array<uint64_t> offsets;
@@ -39,7 +32,7 @@ struct Twists { // as in hmf_cylinder_set
 // Fills circumference, modulus and area, loop unless loops is NULL, and twists unless that is NULL.
 // solved: the same foliation where it is solved, at the minimum; unit: of its
 // values.  The heights in out are there.
-[[nodiscard]] hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved,
+[[nodiscard]] hmf_status measure_cylinders(const GivenCylinders& given, const WeightedLoops* loops, State& solved,
                                            double unit, Array<hmf_cylinder>& out, Twists* twists, Call& call);
 
 } // namespace hmf

@@ -24,7 +24,8 @@ Done add_front_leaf(const uint32_t* leaf, size_t n, bool is_arc, uint32_t m, Arr
 
 } // namespace
 
-hmf_status keep_front_cylinders(const FrontLoops& loops, CylindersWithLeaves cylinders, Call& call) {
+hmf_status keep_front_cylinders(const hmf_loop_set& loops, const Array<int64_t>& factor, uint32_t m,
+                                CylindersWithLeaves cylinders, Call& call) {
     Array<hmf_cylinder>& list = cylinders.list;
     Array<uint64_t> offsets;
     Array<uint32_t> front;
@@ -36,16 +37,15 @@ hmf_status keep_front_cylinders(const FrontLoops& loops, CylindersWithLeaves cyl
     for (size_t c = 0; c < list.size(); ++c) {
         hmf_cylinder cylinder = list[c];
         if (cylinder.loop >= loops.count) continue; // behind
-        const bool is_arc = loops.is_arc && loops.is_arc[cylinder.loop] != 0,
-                   is_round = loops.factor[cylinder.loop] == 2;
+        const bool is_arc = loops.arcs && loops.arcs[cylinder.loop] != 0,
+                   is_round = factor[cylinder.loop] == 2;
         if (is_round) cylinder.height *= 0.5;
         if (is_arc) cylinder.circumference *= 0.5;
         if (is_arc || is_round) cylinder.area *= 0.5;
         cylinder.modulus = cylinder.height / cylinder.circumference;
         list[kept++] = cylinder;
         const uint64_t begin = cylinders.offsets[c], end = cylinders.offsets[c + 1];
-        if (!add_front_leaf(cylinders.triangles.data() + begin, static_cast<size_t>(end - begin), is_arc,
-                            loops.triangles_in_front, front)
+        if (!add_front_leaf(cylinders.triangles.data() + begin, static_cast<size_t>(end - begin), is_arc, m, front)
             || !offsets.push(front.size()) || !cylinders.is_arc.push(is_arc))
             return call.out_of_memory();
     }

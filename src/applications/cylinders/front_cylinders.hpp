@@ -6,14 +6,6 @@
 
 namespace hmf {
 
-// The caller's loops, which the cylinders were matched with.
-struct FrontLoops {
-    uint64_t count;
-    const uint8_t* is_arc;        // per loop; NULL: none is
-    const Array<int64_t>& factor; // per loop: 2 around a boundary, else 1
-    uint32_t triangles_in_front;
-};
-
 // Cylinders with the triangles of their middle leaves.
 struct CylindersWithLeaves {
     Array<hmf_cylinder>& list;
@@ -22,7 +14,9 @@ struct CylindersWithLeaves {
     Array<uint8_t>& is_arc; // made
 };
 
-// Leaves those of the caller's loops, with the sizes that they have in front.
-[[nodiscard]] hmf_status keep_front_cylinders(const FrontLoops& loops, CylindersWithLeaves cylinders, Call& call);
+// Leaves those of the caller's loops, which they were matched with, with the sizes that they have in front, where the
+// surface has m triangles.  factor: as in WeightedLoops.
+[[nodiscard]] hmf_status keep_front_cylinders(const hmf_loop_set& loops, const Array<int64_t>& factor, uint32_t m,
+                                              CylindersWithLeaves cylinders, Call& call);
 
 } // namespace hmf

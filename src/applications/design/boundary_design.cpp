@@ -14,17 +14,14 @@ constexpr double POLES_GAIN = 0.9;          // poles at limbs have to make the u
 // Loops that the library makes, and as loops of the double.
 struct SurfaceClass {
     FoundLoops found;
-    DoubledLoops doubled;
-    LoopsOfDouble of_double() const { return {doubled.loops, doubled.of, doubled.factor, found.count()}; }
+    WeightedLoops doubled;
 
     hmf_status find(const hmf_hierarchy& h, int32_t kind, Call& call) {
         if (surface_loops(h, kind, call, found)) return call.status();
-        const SurfaceLoops loops = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
-                                    found.triangles.data(), found.arcs.data(), found.arc_sides.data(),
-                                    found.is_round.data()};
-        if (double_loops(h, loops, call, doubled)) return call.status();
-        const GivenLoops named{HMF_PATH_TRIANGLES, doubled.offsets.data(), doubled.elements.data()};
-        if (check_loops(h.input, doubled.loops, call, &named)) return call.status();
+        const hmf_loop_set set = found.set();
+        if (double_loops(h, set, found.is_round.data(), call, doubled)
+            || check_loops(h.input, doubled.loops, call, &set, &doubled.of))
+            return call.status();
         return pull_tight(h.input, call, doubled.loops);
     }
 };
@@ -70,11 +67,11 @@ hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const 
         SurfaceClass plain;
         if (plain.find(h, HMF_LOOPS_CUT, call)) return call.status();
         if (!weights.allocate_filled(call.memory, plain.found.count(), 1.0)) return call.out_of_memory();
-        if (search.measure(plain.of_double(), weights, out.unevenness_before)) return call.status();
+        if (search.measure(plain.doubled, weights, out.unevenness_before)) return call.status();
     }
     SurfaceClass pants;
-    if (pants.find(h, HMF_LOOPS_PANTS, call) || search.run(pants.of_double(), solves, weights, out.unevenness)
-        || (out.unevenness < HUGE_VAL && search.keep_all_if_bare(pants.of_double(), weights, out.unevenness, bare)))
+    if (pants.find(h, HMF_LOOPS_PANTS, call) || search.run(pants.doubled, solves, weights, out.unevenness)
+        || (out.unevenness < HUGE_VAL && search.keep_all_if_bare(pants.doubled, weights, out.unevenness, bare)))
         return call.status();
     out.solves = search.solves;
     return keep_boundary_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();

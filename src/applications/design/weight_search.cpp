@@ -39,7 +39,7 @@ hmf_status WeightSearch::start() {
     return state_.allocate(h_, 0, call_.memory) ? HMF_OK : call_.out_of_memory();
 }
 
-hmf_status WeightSearch::keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
+hmf_status WeightSearch::keep_all_if_bare(const WeightedLoops& loops, Array<double>& weights, double& unevenness,
                                           bool& bare) {
     bool all = true;
     for (const double w : weights) all = all && w > 0;
@@ -49,7 +49,7 @@ hmf_status WeightSearch::keep_all_if_bare(const LoopsOfDouble& loops, Array<doub
     return measure(loops, weights, unevenness) || find_if_bare(loops, weights, bare) ? call_.status() : HMF_OK;
 }
 
-hmf_status WeightSearch::find_if_bare(const LoopsOfDouble& loops, const Array<double>& weights, bool& bare) {
+hmf_status WeightSearch::find_if_bare(const WeightedLoops& loops, const Array<double>& weights, bool& bare) {
     const size_t level = level_;
     double unevenness = HUGE_VAL;
     bare = false;
@@ -61,7 +61,7 @@ hmf_status WeightSearch::find_if_bare(const LoopsOfDouble& loops, const Array<do
     return HMF_OK;
 }
 
-hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>& weights, double& unevenness) {
+hmf_status WeightSearch::measure(const WeightedLoops& loops, const Array<double>& weights, double& unevenness) {
     const size_t n = loops.of.size();
     unevenness = HUGE_VAL;
     if (!integers_.allocate(call_.memory, n)) return call_.out_of_memory();
@@ -122,18 +122,19 @@ hmf_status WeightSearch::find_bare_parts(bool& any) {
 }
 
 // Of the scale on the cylinders of each loop, by their vertices.
-hmf_status WeightSearch::find_means(const LoopsOfDouble& loops, bool& known) {
+hmf_status WeightSearch::find_means(const WeightedLoops& loops, bool& known) {
     Memory& memory = call_.memory;
     const Mesh& mesh = state_.foliation.mesh;
     Cylinders cylinders;
     Array<double> area, at_vertex, area_at;
+    const size_t count = loops.callers_count();
     known = false;
     Call inner(&call_);
     if (cylinders.build(state_.foliation, nullptr, nullptr, inner)) {
         if (inner.cancelled()) return call_.was_cancelled();
         return memory.failure() ? call_.out_of_memory() : HMF_OK;
     }
-    if (!mean_.allocate_filled(memory, loops.count, 0.0) || !area.allocate_filled(memory, loops.count, 0.0)
+    if (!mean_.allocate_filled(memory, count, 0.0) || !area.allocate_filled(memory, count, 0.0)
         || !at_vertex.allocate_filled(memory, mesh.vertex_count, 0.0)
         || !area_at.allocate_filled(memory, mesh.vertex_count, 0.0))
         return call_.out_of_memory();
@@ -151,23 +152,24 @@ hmf_status WeightSearch::find_means(const LoopsOfDouble& loops, bool& known) {
             const int64_t height = static_cast<int64_t>(static_cast<double>(cylinders.list[c].height) * unit_);
             const int64_t low = height % WEIGHT_LABELS;
             const size_t loop = static_cast<size_t>(low % 2 == 1 ? low / 2 : low / 4);
-            if (loop >= loops.count || !(whole > 0)) return;
+            if (loop >= count || !(whole > 0)) return;
             const double share = static_cast<double>(last - first) / whole;
             mean_[loop] += share * sum;
             area[loop] += share * ends;
         });
     }
     known = true;
-    for (size_t c = 0; c < loops.count; ++c) mean_[c] = area[c] > 0 ? mean_[c] / area[c] : scale_.mean;
+    for (size_t c = 0; c < count; ++c) mean_[c] = area[c] > 0 ? mean_[c] / area[c] : scale_.mean;
     return HMF_OK;
 }
 
-hmf_status WeightSearch::run(const LoopsOfDouble& loops, uint64_t limit, Array<double>& weights, double& unevenness) {
+hmf_status WeightSearch::run(const WeightedLoops& loops, uint64_t limit, Array<double>& weights, double& unevenness) {
     Array<double> trial;
     double step = 0.7;
     bool known = false;
-    if (!weights.allocate_filled(call_.memory, loops.count, 1.0)
-        || !trial.allocate_filled(call_.memory, loops.count, 1.0))
+    const size_t count = loops.callers_count();
+    if (!weights.allocate_filled(call_.memory, count, 1.0)
+        || !trial.allocate_filled(call_.memory, count, 1.0))
         return call_.out_of_memory();
     unevenness = HUGE_VAL;
     const uint64_t rounds = limit > 0 && limit < WEIGHT_ROUNDS ? limit : WEIGHT_ROUNDS;
@@ -177,14 +179,14 @@ hmf_status WeightSearch::run(const LoopsOfDouble& loops, uint64_t limit, Array<d
         if (now < unevenness) {
             const bool enough = now > 0.998 * unevenness;
             unevenness = now;
-            for (size_t c = 0; c < loops.count; ++c) weights[c] = trial[c];
+            for (size_t c = 0; c < count; ++c) weights[c] = trial[c];
             if (enough) break;
             if (find_means(loops, known)) return call_.status();
             if (!known) break;
         } else step /= 2;
         if (!(unevenness < HUGE_VAL)) return HMF_OK;
         double largest = 0;
-        for (size_t c = 0; c < loops.count; ++c) {
+        for (size_t c = 0; c < count; ++c) {
             const double off = std::min(2.0, std::max(-2.0, step * (mean_[c] - scale_.mean)));
             trial[c] = weights[c] * growth(-off);
             largest = std::max(largest, trial[c]);

@@ -8,36 +8,29 @@
 
 namespace hmf {
 
-// Loops of the double on the input side of level 0, and what they are of.
-struct LoopsOfDouble {
-    const Loops& loops;
-    const Array<uint32_t>& of;    // per loop: that of the surface
-    const Array<int64_t>& factor; // per loop, of its weight: 1 or 2
-    size_t count;                 // loops of the surface
-};
-
 class WeightSearch {
 public:
     WeightSearch(const hmf_hierarchy& hierarchy, Call& call) : h_(hierarchy), call_(call) {}
     hmf_status start();
 
+    // loops: of the double on level 0, whatever their weights.
     // Of weights, one for each loop of the surface, 0: left out.  HUGE_VAL: there is no solution to be had.
-    [[nodiscard]] hmf_status measure(const LoopsOfDouble& loops, const Array<double>& weights, double& unevenness);
+    [[nodiscard]] hmf_status measure(const WeightedLoops& loops, const Array<double>& weights, double& unevenness);
     // Whole numbers.
-    [[nodiscard]] hmf_status run(const LoopsOfDouble& loops, uint64_t solves, Array<double>& weights,
+    [[nodiscard]] hmf_status run(const WeightedLoops& loops, uint64_t solves, Array<double>& weights,
                                  double& unevenness);
 
     // Loops that were left out get the weight 1 if, on the finest level, a part without them would carry no quads.
     // bare: there is such a part nevertheless.
-    [[nodiscard]] hmf_status keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
+    [[nodiscard]] hmf_status keep_all_if_bare(const WeightedLoops& loops, Array<double>& weights, double& unevenness,
                                               bool& bare);
 
     uint64_t solves = 0;
     double from = 0, to = 1; // progress
 
 private:
-    hmf_status find_means(const LoopsOfDouble& loops, bool& known);
-    hmf_status find_if_bare(const LoopsOfDouble& loops, const Array<double>& weights, bool& bare);
+    hmf_status find_means(const WeightedLoops& loops, bool& known);
+    hmf_status find_if_bare(const WeightedLoops& loops, const Array<double>& weights, bool& bare);
     hmf_status find_bare_parts(bool& any); // in what was measured last, on level 0
 
     const hmf_hierarchy& h_;

@@ -43,10 +43,10 @@ Done ClassLengths::start() {
     crossings_.start(memory);
     loop_.start(memory);
     name_.start(memory);
-    letters_.start(memory);
+    names_.start(memory);
     measure_extent();
     if (!strip_length_.allocate_filled(memory, mesh_.edge_count, -1.0)) return false;
-    if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
+    if (!visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
     if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
     return words_.start(mesh_, mesh_.edge_count, call_);
@@ -62,26 +62,6 @@ void ClassLengths::measure_extent() {
             if (v == 0 || x > highest[a]) highest[a] = x;
         }
     for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? TILT[a] / (highest[a] - lowest_[a]) : 0;
-}
-
-// Its name to name_, and the number of its class, NONE if it is new, then with its place in the table.
-Done ClassLengths::find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place) {
-    name_.clear();
-    if (!words_.name(
-            mesh_, 0, n, [&](uint64_t i) { return crossings[i]; }, name_))
-        return false;
-    name_hash_ = name_.size();
-    for (const uint32_t letter : name_) {
-        name_hash_ = (name_hash_ ^ letter) * 0x9e3779b97f4a7c15u;
-        name_hash_ ^= name_hash_ >> 29;
-    }
-    const auto is_named = [&](const Class& c) {
-        return c.name_end - c.name == name_.size() && std::equal(name_.begin(), name_.end(), letters_.data() + c.name);
-    };
-    place = static_cast<size_t>(name_hash_) & (table_.size() - 1);
-    while (table_[place] != NONE && !is_named(classes_[table_[place]])) place = (place + 1) & (table_.size() - 1);
-    id = table_[place];
-    return true;
 }
 
 Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
@@ -118,18 +98,6 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     return true;
 }
 
-Done ClassLengths::grow_table() {
-    Array<uint32_t> table;
-    if (!table.allocate_filled(call_.memory, 4 * table_.size(), NONE)) return false;
-    for (uint32_t id = 0; id < classes_.size(); ++id) {
-        size_t i = static_cast<size_t>(classes_[id].hash) & (table.size() - 1);
-        while (table[i] != NONE) i = (i + 1) & (table.size() - 1);
-        table[i] = id;
-    }
-    table_.swap(table);
-    return true;
-}
-
 double ClassLengths::strip_length(const uint32_t* crossings, size_t n) {
     double sum = 0;
     for (size_t i = 0; i < n; ++i) {
@@ -146,10 +114,14 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         return true;
     }
     if (!started_ && !start()) return false;
-    size_t place = 0;
-    if (!find_class(crossings, n, id, place)) return false;
+    name_.clear();
+    if (!words_.name(
+            mesh_, 0, n, [&](uint64_t i) { return crossings[i]; }, name_)
+        || !names_.add(name_, id))
+        return false;
+    const bool is_new = id == classes_.size();
     const double strip = strip_length(crossings, n);
-    if (id != NONE && !(strip < classes_[id].strip * (1 - OTHER_CLASS))) {
+    if (!is_new && !(strip < classes_[id].strip * (1 - OTHER_CLASS))) {
         // Another strip of a class may lead to another of its geodesics.  A shorter one is always pulled.  Of the
         // others the first ones are, unless half of one is the same; with marked vertices, on which they may hang,
         // unless all of it is.
@@ -165,7 +137,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     made.starts = 1;
     made.stage = stage_where_found();
     if (!pull(geodesic_, mesh_, position_, crossings, n, made)) return false;
-    if (id != NONE) {
+    if (!is_new) {
         Class& c = classes_[id];
         if (c.starts < UINT8_MAX) ++c.starts;
         c.strip = std::min(c.strip, strip);
@@ -180,18 +152,10 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         c.doubt = made.doubt;
         return keep_curve(crossings, n, c);
     }
-    id = static_cast<uint32_t>(classes_.size());
     if (!keep_curve(crossings, n, made)) return false;
     made.found = made.length;
     made.strip = strip;
-    made.hash = name_hash_;
-    made.name = letters_.size();
-    made.name_end = made.name + name_.size();
-    for (const uint32_t letter : name_)
-        if (!letters_.push(letter)) return false;
-    if (!classes_.push(made)) return false;
-    table_[place] = id;
-    return 2 * classes_.size() < table_.size() || grow_table();
+    return classes_.push(made);
 }
 
 // The strip that was pulled straight, or, if that is not simple, the one that it was.

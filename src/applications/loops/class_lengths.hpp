@@ -59,12 +59,11 @@ public:
 private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, finest_
     struct Class {
-        uint64_t hash, name, name_end; // of its name in letters_
-        uint64_t first, end;           // its loop in crossings_, see pulled()
-        double length;                 // tilted
-        double found;                  // likewise, where it was found
-        double strip;                  // dual length, the shortest that was pulled
-        double doubt;                  // relative: it may be longer by so much, beside the error of the stage
+        uint64_t first, end; // its loop in crossings_, see pulled()
+        double length;       // tilted
+        double found;        // likewise, where it was found
+        double strip;        // dual length, the shortest that was pulled
+        double doubt;        // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
         uint8_t starts; // strips that were pulled to it
         bool wanted;
@@ -75,11 +74,9 @@ private:
     Done start();
     void measure_extent();
     Done measure_stage(Stage stage, bool& changed);
-    Done find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place);
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
               Class& c);
     double strip_length(const uint32_t* crossings, size_t n);
-    Done grow_table();
     Done keep_curve(const uint32_t* crossings, size_t n, Class& c);
 
     const hmf_hierarchy* hierarchy_;
@@ -95,14 +92,13 @@ private:
     DualLength dual_length_;
     Array<double> strip_length_; // dual length per edge; below 0: not known yet
     Array<Class> classes_;
-    Array<uint32_t> crossings_, loop_, table_;
+    Array<uint32_t> crossings_, loop_;
     Array<uint32_t> visited_; // per face
     Loops one_;               // to see whether it is simple
     Multicurve curve_;
     uint32_t visit_ = 0;
     Walk name_;
-    uint64_t name_hash_ = 0;
-    Array<uint32_t> letters_;
+    WordTable names_; // of classes_
 };
 
 } // namespace hmf

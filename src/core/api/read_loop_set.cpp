@@ -11,15 +11,6 @@ namespace hmf {
 
 namespace {
 
-// What the caller gave, by the names that messages use.
-struct Given {
-    GivenLoops loops{};
-    const double* weights = nullptr;
-    const uint8_t* is_round = nullptr; // as in SurfaceLoops
-    DoubledLoops doubled;              // of a double
-    Array<uint32_t> internal;
-};
-
 // Kind, count and offsets.
 hmf_status check_shape(const hmf_hierarchy& h, const hmf_loop_set& all, Call& call) {
     if (all.level >= h.level_count) return check_level(h, static_cast<size_t>(all.level), call);
@@ -39,7 +30,7 @@ hmf_status check_shape(const hmf_hierarchy& h, const hmf_loop_set& all, Call& ca
 }
 
 // Loops and arcs on a surface with boundary, as loops of its double.
-hmf_status read_on_double(const hmf_hierarchy& h, const hmf_loop_set& all, WeightedLoops& out, Given& given,
+hmf_status read_on_double(const hmf_hierarchy& h, const hmf_loop_set& all, const uint8_t* is_round, WeightedLoops& out,
                           Call& call) {
     if (all.level > 0)
         return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, all.level,
@@ -50,19 +41,11 @@ hmf_status read_on_double(const hmf_hierarchy& h, const hmf_loop_set& all, Weigh
         if (all.offsets[c + 1] == all.offsets[c])
             return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c, "Loop %llu has no elements.",
                              static_cast<unsigned long long>(c));
-    const SurfaceLoops surface = {
-        all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements, all.arcs, all.arc_sides,
-        given.is_round};
-    if (double_loops(h, surface, call, given.doubled)) return call.status();
-    out.loops.swap(given.doubled.loops);
-    out.of.swap(given.doubled.of);
-    given.loops = {all.element_kind, given.doubled.offsets.data(), given.doubled.elements.data()};
-    return HMF_OK;
+    return double_loops(h, all, is_round, call, out);
 }
 
 // Loops on a closed surface.
-hmf_status read_on_closed(const hmf_hierarchy& h, const hmf_loop_set& all, WeightedLoops& out, Given& given,
-                          Call& call) {
+hmf_status read_on_closed(const hmf_hierarchy& h, const hmf_loop_set& all, WeightedLoops& out, Call& call) {
     for (uint64_t c = 0; all.arcs && c < all.count; ++c)
         if (all.arcs[c])
             return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
@@ -70,29 +53,29 @@ hmf_status read_on_closed(const hmf_hierarchy& h, const hmf_loop_set& all, Weigh
                              static_cast<unsigned long long>(c));
     const Mesh& mesh = loop_mesh(h, out.level);
     const uint32_t* used = all.elements;
+    Array<uint32_t> internal;
     if (out.level == 0) {
         const uint64_t elements = all.offsets[all.count];
-        if (!given.internal.allocate(call.memory, elements)) return call.out_of_memory();
+        if (!internal.allocate(call.memory, elements)) return call.out_of_memory();
         const bool triangles = all.element_kind == HMF_PATH_TRIANGLES;
         const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
         for (uint64_t i = 0; i < elements; ++i)
-            given.internal[i] = all.elements[i] >= limit ? NONE
+            internal[i] = all.elements[i] >= limit ? NONE
                               : triangles                ? internal_face(h, all.elements[i])
                                                          : h.vertex_internal[all.elements[i]];
-        used = given.internal.data();
+        used = internal.data();
     }
-    given.loops = {all.element_kind, all.offsets, all.elements};
     return read_loops(mesh, all.element_kind, all.count, all.offsets, used, call, out.loops);
 }
 
 // Weights in units; NULL: all 1.
-hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, Call& call) {
+hmf_status read_weights(bool is_double, const double* weights, WeightedLoops& out, Call& call) {
     const size_t count = out.loops.count();
-    double largest = given.weights ? 0 : 1;
-    double smallest = given.weights ? HUGE_VAL : 1;
-    for (size_t k = 0; given.weights && k < count; ++k) {
+    double largest = weights ? 0 : 1;
+    double smallest = weights ? HUGE_VAL : 1;
+    for (size_t k = 0; weights && k < count; ++k) {
         const size_t c = out.callers(static_cast<uint32_t>(k));
-        const double w = given.weights[c];
+        const double w = weights[c];
         if (!(w > 0) || !(w < 1e100) || w < 1e-100)
             return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, c,
                              "The weight of loop %llu is %g. Weights are at least 1e-100 and below 1e100.",
@@ -108,15 +91,15 @@ hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, 
     if (!out.weights.allocate(call.memory, count)) return call.out_of_memory();
     for (size_t c = 0; c < count; ++c) {
         out.weights[c] = static_cast<int64_t>(
-            (given.weights ? given.weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
-        if (c < given.doubled.factor.size()) out.weights[c] *= given.doubled.factor[c];
+            (weights ? weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
+        if (c < out.factor.size()) out.weights[c] *= out.factor[c];
     }
     return HMF_OK;
 }
 
 } // namespace
 
-hmf_status set_unit_weights(WeightedLoops& out, Call& call) { return read_weights(false, Given{}, out, call); }
+hmf_status set_unit_weights(WeightedLoops& out, Call& call) { return read_weights(false, nullptr, out, call); }
 
 hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, const uint8_t* is_round, WeightedLoops& out,
                          Call& call) {
@@ -125,16 +108,12 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, const 
                          "The loops are NULL. Give loops, or take those of hmf_loops.");
     hmf_loop_set all;
     if (read_options(set, all, "hmf_loop_set", call) || check_shape(h, all, call)) return call.status();
-    Given given;
-    given.is_round = is_round;
-    given.weights = all.weights;
     out.level = static_cast<size_t>(all.level);
-    if ((h.is_double() ? read_on_double : read_on_closed)(h, all, out, given, call)
-        || read_weights(h.is_double(), given, out, call))
+    if ((h.is_double() ? read_on_double(h, all, is_round, out, call) : read_on_closed(h, all, out, call))
+        || read_weights(h.is_double(), all.weights, out, call))
         return call.status();
-    out.factor.swap(given.doubled.factor);
     const Mesh& mesh = loop_mesh(h, out.level);
-    const hmf_status status = check_loops(mesh, out.loops, call, &given.loops);
+    const hmf_status status = check_loops(mesh, out.loops, call, &all, &out.of);
     return status ? status : pull_tight(mesh, call, out.loops);
 }
 

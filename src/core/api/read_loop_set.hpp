@@ -6,18 +6,7 @@
 
 namespace hmf {
 
-struct WeightedLoops {
-    size_t level = 0;
-    Loops loops;            // on loop_mesh(level), pulled tight
-    Array<int64_t> weights; // per loop, in units
-    double unit = 1;
-    Array<uint32_t> of;    // of a double: the caller's loop of each; else empty
-    Array<int64_t> factor; // likewise: 2 for a loop around a boundary, else 1
-
-    uint32_t callers(uint32_t loop) const { return loop < of.size() ? of[loop] : loop; }
-};
-
-// is_round: as in SurfaceLoops, if it is known, else NULL.
+// Pulled tight.  is_round: as in double_loops.
 [[nodiscard]] hmf_status read_loop_set(const hmf_hierarchy& hierarchy, const hmf_loop_set* set, const uint8_t* is_round,
                                        WeightedLoops& out, Call& call);
 

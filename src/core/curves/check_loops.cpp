@@ -16,47 +16,51 @@
 #include "disjoint.hpp"
 #include "multicurve.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
 
+// The loops as the caller gave them.
+struct Names {
+    const hmf_loop_set* given; // or NULL
+    const Array<uint32_t>* of; // as in check_loops
+
+    const char* element() const { return given && given->element_kind == HMF_PATH_TRIANGLES ? "triangle" : "vertex"; }
+    const uint32_t* begin(size_t c) const { return given->elements + given->offsets[callers(c)]; }
+    const uint32_t* end(size_t c) const { return given->elements + given->offsets[callers(c) + 1]; }
+    size_t callers(size_t c) const { return of && !of->empty() ? (*of)[c] : c; }
+};
+
 // An element of loop d that loop c has as well (c = d: one that it has twice);
 // NONE if there is none, or no memory to find it.
-uint32_t common_element(const GivenLoops* given, size_t c, size_t d, Memory& memory) {
-    if (!given) return NONE;
+uint32_t common_element(const Names& names, size_t c, size_t d, Memory& memory) {
+    if (!names.given) return NONE;
     Array<uint32_t> sorted;
-    const uint64_t first = given->offsets[c], n = given->offsets[c + 1] - first;
+    const size_t n = static_cast<size_t>(names.end(c) - names.begin(c));
     if (!sorted.allocate(memory, n)) return NONE;
-    for (uint64_t i = 0; i < n; ++i) sorted[i] = given->elements[first + i];
+    std::copy(names.begin(c), names.end(c), sorted.data());
     heap_sort(sorted.data(), sorted.size(), [](uint32_t a, uint32_t b) { return a < b; });
     if (c == d) {
-        for (uint64_t i = 1; i < n; ++i)
-            if (sorted[i] == sorted[i - 1]) return sorted[i];
-        return NONE;
+        const uint32_t* const twice = std::adjacent_find(sorted.begin(), sorted.end());
+        return twice == sorted.end() ? NONE : *twice;
     }
-    for (uint64_t i = given->offsets[d]; i < given->offsets[d + 1]; ++i) {
-        uint64_t low = 0, high = n;
-        while (low < high) {
-            const uint64_t middle = (low + high) / 2;
-            if (sorted[middle] < given->elements[i]) low = middle + 1;
-            else high = middle;
-        }
-        if (low < n && sorted[low] == given->elements[i]) return given->elements[i];
-    }
+    for (const uint32_t* at = names.begin(d); at < names.end(d); ++at)
+        if (std::binary_search(sorted.begin(), sorted.end(), *at)) return *at;
     return NONE;
 }
 
 // Names the first loop that meets itself or, if there is none, the first one
 // that crosses an earlier one.
-hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, const GivenLoops* given,
-                         Call& call) {
-    const char* const word = given && given->element_kind == HMF_PATH_TRIANGLES ? "triangle" : "vertex";
+hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, const Names& names, Call& call) {
+    const char* const word = names.element();
     for (size_t c = 0; c < loops.count(); ++c) {
         if (c % 256 == 0 && !call.tick(0, true)) return call.was_cancelled();
         bool is_simple = false;
         if (!disjoint(mesh, loops, c, c + 1, curves, nullptr, call, is_simple)) return call.out_of_memory();
         if (is_simple) continue;
-        const uint32_t at = common_element(given, c, c, call.memory);
+        const uint32_t at = common_element(names, c, c, call.memory);
         if (at == NONE)
             return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c,
                              "Loop %llu crosses itself. Give a loop that does not.", static_cast<Long>(c));
@@ -85,7 +89,7 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
         bool are_disjoint = false;
         if (!disjoint(mesh, two, 0, 2, curves, nullptr, call, are_disjoint)) return call.out_of_memory();
         if (are_disjoint) continue;
-        const uint32_t at = common_element(given, c, d, call.memory);
+        const uint32_t at = common_element(names, c, d, call.memory);
         if (at == NONE)
             return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d,
                              "Loop %llu crosses loop %llu. Loops must be disjoint; they may touch.",
@@ -258,7 +262,8 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
 
 } // namespace
 
-hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const GivenLoops* given) {
+hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const hmf_loop_set* given,
+                       const Array<uint32_t>* of) {
     const size_t count = loops.count();
     if (count == 0)
         return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
@@ -276,7 +281,7 @@ hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const G
     if (!call.tick(0, true)) return call.was_cancelled();
     bool are_disjoint = false;
     if (!disjoint(mesh, loops, 0, count, curves, &loop_of, call, are_disjoint)) return call.out_of_memory();
-    if (!are_disjoint) return name_crossing(mesh, loops, curves, given, call);
+    if (!are_disjoint) return name_crossing(mesh, loops, curves, {given, of}, call);
     if (!call.tick(0, true)) return call.was_cancelled();
     return check_pieces(mesh, curves, loop_of, call);
 }

@@ -10,10 +10,10 @@ namespace {
 
 class Doubler {
 public:
-    Doubler(const hmf_hierarchy& h, const SurfaceLoops& given, Call& call) :
+    Doubler(const hmf_hierarchy& h, const hmf_loop_set& given, Call& call) :
         h_(h), mesh_(h.input), given_(given), call_(call) {}
 
-    hmf_status run(DoubledLoops& out);
+    hmf_status run(const uint8_t* known_round, WeightedLoops& out);
 
 private:
     bool is_arc(size_t c) const { return given_.arcs && given_.arcs[c] != 0; }
@@ -33,7 +33,7 @@ private:
 
     const hmf_hierarchy& h_;
     const Mesh& mesh_;
-    const SurfaceLoops& given_;
+    const hmf_loop_set& given_;
     Call& call_;
     Array<uint32_t> face_;  // internal face of each triangle of the double
     Array<uint32_t> side_;  // a half-edge of each internal face
@@ -196,7 +196,7 @@ hmf_status Doubler::add_path(size_t c, bool is_image, Array<uint32_t>& path) {
 // Loops 0 .. count - 1 with their images behind them: which ones bound an annulus
 // with theirs?  Where loops cross nothing is found: check_loops says so.
 hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_round) {
-    const size_t count = given_.count;
+    const size_t count = static_cast<size_t>(given_.count);
     if (!is_round.allocate_filled(call_.memory, count, uint8_t{0})) return call_.out_of_memory();
     const size_t images = all.count() - count;
     if (images == 0 || all.crossings.size() >= MULTICURVE_LIMIT) return HMF_OK;
@@ -249,8 +249,8 @@ hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_rou
     return HMF_OK;
 }
 
-hmf_status Doubler::run(DoubledLoops& out) {
-    const size_t count = given_.count;
+hmf_status Doubler::run(const uint8_t* known_round, WeightedLoops& out) {
+    const size_t count = static_cast<size_t>(given_.count);
     if (!find_sheets()) return call_.out_of_memory();
     if (!call_.tick(0, true)) return call_.was_cancelled();
     Loops all; // paths of both sheets
@@ -269,32 +269,27 @@ hmf_status Doubler::run(DoubledLoops& out) {
     Loops pushed; // crossings
     if (push_paths_off(mesh_, all, !is_triangles(), call_, pushed)) return call_.status();
     Array<uint8_t> is_round;
-    if (!given_.is_round && find_round_boundary(pushed, is_round)) return call_.status();
-    const uint8_t* const round = given_.is_round ? given_.is_round : is_round.data();
+    if (!known_round && find_round_boundary(pushed, is_round)) return call_.status();
+    const uint8_t* const round = known_round ? known_round : is_round.data();
     // Without the images of loops around a boundary.
     Loops& loops = out.loops;
     out.of.start(call_.memory);
     out.factor.start(call_.memory);
-    out.offsets.start(call_.memory);
-    out.elements.start(call_.memory);
-    if (!loops.start(call_.memory) || !out.offsets.push(0)) return call_.out_of_memory();
+    if (!loops.start(call_.memory)) return call_.out_of_memory();
     for (size_t k = 0; k < pushed.count(); ++k) {
         const uint32_t c = of[k];
         if (k >= count && round[c]) continue;
-        for (uint64_t i = given_.offsets[c]; i < given_.offsets[c + 1]; ++i)
-            if (!out.elements.push(given_.elements[i])) return call_.out_of_memory();
-        if (!loops.add(pushed, k) || !out.offsets.push(out.elements.size()) || !out.of.push(c)
-            || !out.factor.push(round[c] ? 2 : 1))
-            return call_.out_of_memory();
+        if (!loops.add(pushed, k) || !out.of.push(c) || !out.factor.push(round[c] ? 2 : 1)) return call_.out_of_memory();
     }
     return HMF_OK;
 }
 
 } // namespace
 
-hmf_status double_loops(const hmf_hierarchy& hierarchy, const SurfaceLoops& given, Call& call, DoubledLoops& out) {
+hmf_status double_loops(const hmf_hierarchy& hierarchy, const hmf_loop_set& given, const uint8_t* is_round, Call& call,
+                        WeightedLoops& out) {
     Doubler doubler(hierarchy, given, call);
-    return doubler.run(out);
+    return doubler.run(is_round, out);
 }
 
 } // namespace hmf

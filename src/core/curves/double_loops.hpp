@@ -14,25 +14,9 @@
 
 namespace hmf {
 
-struct SurfaceLoops {
-    int32_t element_kind; // HMF_PATH_*
-    size_t count;
-    const uint64_t* offsets;
-    const uint32_t* elements;  // in the caller's numbers of level 0
-    const uint8_t* arcs;       // per loop, or NULL: none is an arc
-    const uint32_t* arc_sides; // two per loop, as in hmf_loop_set, or NULL
-    const uint8_t* is_round;   // per loop, if that is known: it bounds an annulus with its mirror image
-};
-
-struct DoubledLoops {
-    Loops loops;             // on the input side of level 0
-    Array<uint32_t> of;      // per loop of the double: that of the caller
-    Array<int64_t> factor;   // likewise, of its weight: 1 or 2
-    Array<uint64_t> offsets; // with `elements` what a message may name: the caller's elements
-    Array<uint32_t> elements;
-};
-
-[[nodiscard]] hmf_status double_loops(const hmf_hierarchy& hierarchy, const SurfaceLoops& given, Call& call,
-                                      DoubledLoops& out);
+// given: in the caller's numbers of level 0.  is_round: per loop, does it bound an annulus with its mirror image?
+// NULL: that is not known.  out: all but the weights.
+[[nodiscard]] hmf_status double_loops(const hmf_hierarchy& hierarchy, const hmf_loop_set& given,
+                                      const uint8_t* is_round, Call& call, WeightedLoops& out);
 
 } // namespace hmf

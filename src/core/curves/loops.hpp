@@ -5,6 +5,7 @@
 // the face of the next half-edge in the sequence.
 #pragma once
 
+#include "../../../include/hmf/hmf.h"
 #include "../base/memory.hpp"
 #include "../mesh/mesh.hpp"
 
@@ -48,6 +49,23 @@ struct Loops {
     }
 };
 
+// Loops with weights.  The loops of a surface with boundary are given as loops of its double (double_loops.hpp).
+struct WeightedLoops {
+    size_t level = 0;
+    Loops loops;            // on loop_mesh(level)
+    Array<int64_t> weights; // per loop, in units
+    double unit = 1;
+    Array<uint32_t> of;    // of a double: the caller's loop of each; else empty
+    Array<int64_t> factor; // likewise: 2 for a loop around a boundary, else 1
+
+    uint32_t callers(uint32_t loop) const { return loop < of.size() ? of[loop] : loop; }
+    size_t callers_count() const { // they come first
+        size_t n = 0;
+        while (n < of.size() && of[n] == n) ++n;
+        return of.empty() ? loops.count() : n;
+    }
+};
+
 // Removes the bigons of essential disjoint loops, so that their initial
 // foliation has no poles.  Classes, order and directions stay.
 [[nodiscard]] hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
@@ -65,19 +83,12 @@ struct Loops {
 // Cancels inverse neighbors of a cyclic sequence; the remaining ones are sequence[begin], .., sequence[end - 1].
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end);
 
-// As the caller gave them, for messages.
-struct GivenLoops {
-    int32_t element_kind;
-    const uint64_t* offsets;
-    const uint32_t* elements;
-};
-
 // Simple, disjoint, essential, pairwise not freely homotopic (as on the surface
 // without its marked vertices, and none goes around one of them only); each defect
-// with its status and the number of the loop, a crossing with an element where
-// the loops meet, if they are given.
+// with its status and the number of the loop.  given: the caller's, so that a message can
+// name an element where the loops meet, or NULL; of: the caller's loop of each loop, or NULL: the same.
 [[nodiscard]] hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call,
-                                     const GivenLoops* given = nullptr);
+                                     const hmf_loop_set* given = nullptr, const Array<uint32_t>* of = nullptr);
 
 // value[e] = sum over loops of weight * number of crossings of e.
 void initial_foliation(const Mesh& mesh, const Loops& loops, const int64_t* weights, int64_t* value);

@@ -2,21 +2,29 @@
 // nearly all are empty, and a bit says which are not, so that the others cost a look at a small table.
 #pragma once
 
-#include "../base/memory.hpp"
 #include "../mesh/mesh.hpp"
+#include "word_table.hpp"
 
 namespace hmf {
-
-using Walk = Array<uint32_t>; // letters; a part of a closed one, or all of it
 
 class HalfEdgeWords {
 public:
     // All empty.
-    Done start(uint32_t edge_capacity, Memory& memory);
+    Done start(uint32_t edge_capacity, Memory& memory) {
+        words_.start(memory);
+        return bits_.allocate_filled(memory, edge_capacity / 64 + size_t{1}, uint64_t{0})
+            && word_.allocate(memory, edge_capacity);
+    }
 
     bool has(uint32_t edge) const { return bits_[edge / 64] >> edge % 64 & 1; }
     void clear(uint32_t edge) { bits_[edge / 64] &= ~(uint64_t{1} << edge % 64); }
-    Done set(uint32_t half_edge, const Walk& word);
+    Done set(uint32_t half_edge, const Walk& word) {
+        uint32_t number = 0;
+        if (word.empty()) clear(edge_of(half_edge));
+        else if (!words_.add(word, number)) return false;
+        else refer(half_edge, number, false);
+        return true;
+    }
     // to gets the word of from.
     void copy(uint32_t from, uint32_t to) {
         if (!has(edge_of(from))) clear(edge_of(to));
@@ -25,17 +33,18 @@ public:
 
     size_t length(uint32_t half_edge) const {
         const uint32_t e = edge_of(half_edge);
-        return has(e) ? static_cast<size_t>(offset_[(word_[e] >> 1) + 1] - offset_[word_[e] >> 1]) : 0;
+        return has(e) ? words_.length(word_[e] >> 1) : 0;
     }
     // visit(letter, backwards), in the order of the half-edge.
     template <class Visit>
     Done for_letters(uint32_t half_edge, Visit visit) const {
         const uint32_t e = edge_of(half_edge);
         if (!has(e)) return true;
-        const uint64_t begin = offset_[word_[e] >> 1], end = offset_[(word_[e] >> 1) + 1];
+        const uint32_t* const letters = words_.word(word_[e] >> 1);
+        const size_t n = words_.length(word_[e] >> 1);
         const bool backwards = ((word_[e] ^ half_edge) & 1) != 0;
-        for (uint64_t i = begin; i < end; ++i)
-            if (!visit(letter_[backwards ? begin + end - 1 - i : i], backwards)) return false;
+        for (size_t i = 0; i < n; ++i)
+            if (!visit(letters[backwards ? n - 1 - i : i], backwards)) return false;
         return true;
     }
 
@@ -45,14 +54,10 @@ private:
         bits_[e / 64] |= uint64_t{1} << e % 64;
         word_[e] = 2 * number + ((half_edge & 1) != static_cast<uint32_t>(backwards));
     }
-    Done number_of(const Walk& word, uint32_t& number);
 
-    Array<uint64_t> bits_;   // per edge: the word is not empty
-    Array<uint32_t> word_;   // per edge: 2 * its number, + 1 if it is that of half-edge 2e + 1
-    Array<uint64_t> offset_; // of the words
-    Array<uint32_t> letter_;
-    Array<uint32_t> table_; // numbers of the words by their contents, NONE where free
-    Memory* memory_ = nullptr;
+    Array<uint64_t> bits_; // per edge: the word is not empty
+    Array<uint32_t> word_; // per edge: 2 * its number, + 1 if it is that of half-edge 2e + 1
+    WordTable words_;
 };
 
 } // namespace hmf

@@ -23,7 +23,7 @@ bool has_all_zeros(const CriticalGraph& graph, int64_t whole) {
 } // namespace
 
 Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
-                  CurveNames& names) {
+                  ClassTable& names) {
     const Boundary& b = graph.boundaries[boundary];
     return names.add(mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; });
 }
@@ -55,7 +55,7 @@ int64_t ClassCertificate::largest_height() const {
 
 hmf_status ClassCertificate::number_by_class(const Mesh& mesh, const CurveWords& words, const Loops& loops,
                                              Call& call) {
-    CurveNames of_loops;
+    ClassTable of_loops;
     of_loops.start(call.memory);
     const auto half_edge = [&](uint64_t i) { return loops.crossings[i]; };
     for (uint32_t l = 0; l < loops.count(); ++l)
@@ -116,7 +116,7 @@ hmf_status ClassCertificate::compare(Foliation& f, const CurveWords& words, cons
     // Each loop and its cylinder.
     const size_t n = height_.size(), m = cylinders.list.size();
     Array<uint32_t> of_loop;
-    CurveNames found_names;
+    ClassTable found_names;
     found_names.start(call.memory);
     if (!of_loop.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
     for (uint32_t d = 0; d < m; ++d) {

@@ -18,7 +18,7 @@
 // The cost is that of the critical leaves: some thousand of a million edges.
 #pragma once
 
-#include "../homotopy/curve_names.hpp"
+#include "../homotopy/class_table.hpp"
 #include "../curves/loops.hpp"
 #include "cylinders.hpp"
 
@@ -48,7 +48,7 @@ struct ClassCheck {
 
 // Names a boundary leaf.
 Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
-                  CurveNames& names);
+                  ClassTable& names);
 
 class ClassCertificate {
 public:
@@ -77,7 +77,7 @@ private:
 
     Array<int64_t> height_;
     Array<uint32_t> loop_;
-    CurveNames names_;
+    ClassTable names_;
 };
 
 } // namespace hmf

@@ -340,13 +340,11 @@ TEST(Boundary, LoopsRoundABoundaryAreKnown) {
             hmf::Call call(memory, &error, nullptr, nullptr);
             hmf::FoundLoops found;
             ASSERT_EQ(hmf::surface_loops(*hierarchy.get(), kind, call, found), HMF_OK) << error.message;
-            hmf::SurfaceLoops given = {HMF_PATH_TRIANGLES,     found.count(),     found.offsets.data(),
-                                       found.triangles.data(), found.arcs.data(), found.arc_sides.data(),
-                                       found.is_round.data()};
-            hmf::DoubledLoops known, searched;
-            ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, call, known), HMF_OK) << error.message;
-            given.is_round = nullptr;
-            ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, call, searched), HMF_OK) << error.message;
+            const hmf_loop_set given = found.set();
+            hmf::WeightedLoops known, searched;
+            ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, found.is_round.data(), call, known), HMF_OK)
+                << error.message;
+            ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, nullptr, call, searched), HMF_OK) << error.message;
             ASSERT_EQ(known.factor.size(), searched.factor.size());
             for (size_t c = 0; c < known.factor.size(); ++c) {
                 EXPECT_EQ(known.factor[c], searched.factor[c]) << c;
