@@ -82,8 +82,8 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
     double unit = foliation->unit, area_error = 0;
     if (load_solved_in_unit_of_values(*foliation, solved, call)
         || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
-        || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &given : nullptr, solved,
-                             unit, list, h.is_double() ? nullptr : &twists, call)
+        || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &given : nullptr, solved, unit,
+                             list, h.is_double() ? nullptr : &twists, call)
         || check_sum_of_areas(list, solved, unit, area_error, call))
         return call.status();
 

@@ -37,8 +37,7 @@ hmf_status keep_front_cylinders(const hmf_loop_set& loops, const Array<int64_t>&
     for (size_t c = 0; c < list.size(); ++c) {
         hmf_cylinder cylinder = list[c];
         if (cylinder.loop >= loops.count) continue; // behind
-        const bool is_arc = loops.arcs && loops.arcs[cylinder.loop] != 0,
-                   is_round = factor[cylinder.loop] == 2;
+        const bool is_arc = loops.arcs && loops.arcs[cylinder.loop] != 0, is_round = factor[cylinder.loop] == 2;
         if (is_round) cylinder.height *= 0.5;
         if (is_arc) cylinder.circumference *= 0.5;
         if (is_arc || is_round) cylinder.area *= 0.5;

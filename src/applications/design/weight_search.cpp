@@ -168,8 +168,7 @@ hmf_status WeightSearch::run(const WeightedLoops& loops, uint64_t limit, Array<d
     double step = 0.7;
     bool known = false;
     const size_t count = loops.callers_count();
-    if (!weights.allocate_filled(call_.memory, count, 1.0)
-        || !trial.allocate_filled(call_.memory, count, 1.0))
+    if (!weights.allocate_filled(call_.memory, count, 1.0) || !trial.allocate_filled(call_.memory, count, 1.0))
         return call_.out_of_memory();
     unevenness = HUGE_VAL;
     const uint64_t rounds = limit > 0 && limit < WEIGHT_ROUNDS ? limit : WEIGHT_ROUNDS;

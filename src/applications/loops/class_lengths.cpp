@@ -46,8 +46,7 @@ Done ClassLengths::start() {
     names_.start(memory);
     measure_extent();
     if (!strip_length_.allocate_filled(memory, mesh_.edge_count, -1.0)) return false;
-    if (!visited_.allocate_filled(memory, mesh_.face_count, 0u))
-        return false;
+    if (!visited_.allocate_filled(memory, mesh_.face_count, 0u)) return false;
     if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
     return words_.start(mesh_, mesh_.edge_count, call_);
 }
@@ -109,10 +108,6 @@ double ClassLengths::strip_length(const uint32_t* crossings, size_t n) {
 }
 
 Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
-    if (care_ == LoopCare::quick) {
-        id = 0;
-        return true;
-    }
     if (!started_ && !start()) return false;
     name_.clear();
     if (!words_.name(
@@ -121,6 +116,11 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         return false;
     const bool is_new = id == classes_.size();
     const double strip = strip_length(crossings, n);
+    if (care_ == LoopCare::quick) {
+        Class known{};
+        known.length = strip;
+        return !is_new || classes_.push(known);
+    }
     if (!is_new && !(strip < classes_[id].strip * (1 - OTHER_CLASS))) {
         // Another strip of a class may lead to another of its geodesics.  A shorter one is always pulled.  Of the
         // others the first ones are, unless half of one is the same; with marked vertices, on which they may hang,

@@ -387,6 +387,8 @@ private:
         candidates_.clear();
         strips_.clear();
         work_before_ = search_.work();
+        // The cut has cost as much as to settle all of its regions.
+        allowed = std::max(allowed, static_cast<double>(work_before_) + cut_.region_count);
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
             if (!search_roots(allowed)) return call_.stopped();

@@ -46,6 +46,8 @@ constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APAR
 constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
 constexpr size_t PANTS_MOST_CANDIDATES = 64;
+// One of so many loops that are left is taken at once. Quick loops are not corrected by moves.
+constexpr size_t PART_OF_BATCH = 16, PART_OF_QUICK_BATCH = 64;
 constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
 constexpr int PANTS_MOST_ROUNDS = 8;       // of measuring and choosing again
 
@@ -109,7 +111,7 @@ private:
         if (join_.empty())
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
                               "No further loop was found. Please report this.");
-        if (!choose() || !take_last()) return call_.stopped();
+        if (!choose() || !take_last() || !take_others()) return call_.stopped();
         return lengths_.has_pulled() ? HMF_OK : shorten_loops(mesh_, position_, call_, loops_, first_loop);
     }
 
@@ -259,19 +261,52 @@ private:
         return choice_.push({first, ids_.size(), best});
     }
 
-    // The loop of the last choice: the pulled strip of the class if that meets no other loop.
+    // The loop of the last choice.
     Done take_last() {
         const size_t at = choice_.back().first + choice_.back().taken;
-        bool are_disjoint = false;
+        bool added = false;
         ++steps_;
-        if (lengths_.has_pulled()) {
-            const uint32_t id = ids_[at];
-            if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                || !one_is_disjoint(mesh_, loops_, loops_.count() - 1, test_, call_, are_disjoint))
+        return take_pulled(at, added) && (added || loops_.add(strips_.data() + strip_[at].first, strip_[at].size));
+    }
+
+    // The pulled strip of a candidate's class if that meets no loop.
+    Done take_pulled(size_t at, bool& added) {
+        const uint32_t id = ids_[at];
+        return !lengths_.has_pulled() || take_apart(lengths_.pulled(id), lengths_.pulled_size(id), added);
+    }
+    Done take_apart(const uint32_t* strip, size_t n, bool& added) {
+        if (!loops_.add(strip, n) || !one_is_disjoint(mesh_, loops_, loops_.count() - 1, test_, call_, added))
+            return false;
+        if (!added) loops_.keep_first(loops_.count() - 1);
+        return true;
+    }
+
+    // Of many loops that are left, more candidates at once: those that come next, are of other classes and meet no
+    // loop.
+    Done take_others() {
+        const Choice choice = choice_.back();
+        const size_t end =
+            loops_.count() + (wanted_ - loops_.count()) / (lengths_.has_pulled() ? PART_OF_BATCH : PART_OF_QUICK_BATCH);
+        Array<size_t> order;
+        order.start(memory_);
+        for (size_t at = choice.first; at < choice.end && end > loops_.count(); ++at)
+            if (at != choice.first + choice.taken && !order.push(at)) return false;
+        heap_sort(order.data(), order.size(), [this](size_t a, size_t b) {
+            const double x = lengths_.length(ids_[a]), y = lengths_.length(ids_[b]);
+            return x < y || (x == y && a < b);
+        });
+        for (size_t i = 0; i < order.size() && loops_.count() < end; ++i) {
+            const Strip strip = strip_[order[i]];
+            const uint32_t id = ids_[order[i]];
+            bool added = false;
+            if (!take_pulled(order[i], added)
+                || (!added && !take_apart(strips_.data() + strip.first, strip.size, added)))
                 return false;
-            if (!are_disjoint) loops_.keep_first(loops_.count() - 1);
+            if (!added) continue;
+            ++steps_;
+            if (!ids_.push(id) || !strip_.push(strip) || !choice_.push({ids_.size() - 1, ids_.size(), 0})) return false;
         }
-        return are_disjoint || loops_.add(strips_.data() + strip_[at].first, strip_[at].size);
+        return true;
     }
 
     const Mesh& mesh_;

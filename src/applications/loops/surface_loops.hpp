@@ -15,8 +15,8 @@ struct FoundLoops {
     Array<uint8_t> is_round;   // a boundary without marked vertices, and nothing else; see double_loops.hpp
     size_t count() const { return arcs.size(); }
     hmf_loop_set set() const {
-        return {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, 0,           count(),         offsets.data(),
-                triangles.data(),     nullptr,            arcs.data(), arc_sides.data()};
+        return {sizeof(hmf_loop_set), HMF_PATH_TRIANGLES, 0, count(), offsets.data(), triangles.data(), nullptr,
+                arcs.data(),          arc_sides.data()};
     }
 };
 

@@ -61,8 +61,8 @@ hmf_status read_on_closed(const hmf_hierarchy& h, const hmf_loop_set& all, Weigh
         const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
         for (uint64_t i = 0; i < elements; ++i)
             internal[i] = all.elements[i] >= limit ? NONE
-                              : triangles                ? internal_face(h, all.elements[i])
-                                                         : h.vertex_internal[all.elements[i]];
+                        : triangles                ? internal_face(h, all.elements[i])
+                                                   : h.vertex_internal[all.elements[i]];
         used = internal.data();
     }
     return read_loops(mesh, all.element_kind, all.count, all.offsets, used, call, out.loops);
@@ -90,8 +90,8 @@ hmf_status read_weights(bool is_double, const double* weights, WeightedLoops& ou
     out.unit = unit_of_weights(is_double ? 2 * largest : largest);
     if (!out.weights.allocate(call.memory, count)) return call.out_of_memory();
     for (size_t c = 0; c < count; ++c) {
-        out.weights[c] = static_cast<int64_t>(
-            (weights ? weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
+        out.weights[c] =
+            static_cast<int64_t>((weights ? weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
         if (c < out.factor.size()) out.weights[c] *= out.factor[c];
     }
     return HMF_OK;

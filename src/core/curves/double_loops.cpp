@@ -279,7 +279,8 @@ hmf_status Doubler::run(const uint8_t* known_round, WeightedLoops& out) {
     for (size_t k = 0; k < pushed.count(); ++k) {
         const uint32_t c = of[k];
         if (k >= count && round[c]) continue;
-        if (!loops.add(pushed, k) || !out.of.push(c) || !out.factor.push(round[c] ? 2 : 1)) return call_.out_of_memory();
+        if (!loops.add(pushed, k) || !out.of.push(c) || !out.factor.push(round[c] ? 2 : 1))
+            return call_.out_of_memory();
     }
     return HMF_OK;
 }
