@@ -1,5 +1,4 @@
 // applications.h: the loops that the library makes.
-#include "../cylinders/reference_loops.hpp"
 #include "../../core/hierarchy/caller_numbers.hpp"
 #include "../loops/library_loops.hpp"
 #include "../loops/surface_loops.hpp"

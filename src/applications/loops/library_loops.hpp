@@ -6,14 +6,18 @@
 
 namespace hmf {
 
-// Where loops are searched for: the coarsest level with 1000 vertices and 420 for each handle, or with 10 000 from ten
-// handles on; not level 0, whose triangles may have any shape, unless no other level has 1000.
-size_t search_level(const hmf_hierarchy& hierarchy);
+// Loops of a kind on a closed surface: in isotopy classes that belong to the surface, those of the reference hierarchy.
+//
+//     triangles --default options--> reference hierarchy --library_loops--> its level 0
+//                                                                               | same triangles
+//     the caller's hierarchy:  level k  <------------ restriction --------- level 0
+//
+// Levels of the reference hierarchy that are coarser than its search level get them by restriction from that.
+[[nodiscard]] hmf_status reference_loops(const hmf_hierarchy& hierarchy, size_t level, int32_t kind, Call& call,
+                                         Loops& out);
 
-// Loops of a kind on a level.  They are found on search_level (if they need no
-// care, on the coarsest level) and carried from level to level, shortened on
-// each: loop c is in the same class on all of these.  On a level that is coarser
-// they are found on that, and may be others (reference_loops.hpp brings them there).
+// The same with the given hierarchy instead of the reference hierarchy: found on its search level (quick: on the
+// coarsest level) and carried to `level`; on a coarser one they are found there, and may be others.
 [[nodiscard]] hmf_status library_loops(const hmf_hierarchy& hierarchy, size_t level, int32_t kind, Call& call,
                                        Loops& out, LoopCare care = LoopCare::shortest);
 
