@@ -11,11 +11,13 @@ Done NearestQuads::build(const QuadMesh& quads, Memory& memory) {
 }
 
 NearestQuads::Place NearestQuads::find(const Point& p, double enough) {
-    Place found{last_, square_to(p, last_)};
+    constexpr uint64_t steps_of_quad = 64;
+    Place found{last_, square_to(p, last_), steps_of_quad};
     if (found.square <= enough) return found;
     tree_.search(p, found.square, [&](size_t q) {
         const double square = square_to(p, static_cast<uint32_t>(q));
-        if (square < found.square) found = {static_cast<uint32_t>(q), square};
+        found.steps += steps_of_quad;
+        if (square < found.square) found = {static_cast<uint32_t>(q), square, found.steps};
         return found.square > enough ? found.square : 0;
     });
     last_ = found.quad;

@@ -14,6 +14,7 @@ public:
     struct Place {
         uint32_t quad = NONE;
         double square = HUGE_VAL; // of the distance
+        uint64_t steps = 0;       // elementary ones of the search
     };
     // The nearest quad, or one whose squared distance is at most `enough`.  The quad found before is tried first, as
     // points that follow each other are near to each other.

@@ -10,15 +10,15 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t FIGURES_SLICE = 4096; // elements between ticks
-
 Done measure_distance(const Mesh& mesh, const double* position, const QuadMesh& quads, double& distance, Call& call) {
     NearestQuads near;
     if (!near.build(quads, call.memory)) return false;
     double square = 0;
     for (uint32_t x = 0; x < mesh.vertex_count; ++x) {
-        if (x % FIGURES_SLICE == 0 && !call.tick(0)) return false;
-        if (side_at(mesh, x) != NONE) square = std::max(square, near.find(point(position, x), square).square);
+        if (side_at(mesh, x) == NONE) continue;
+        const NearestQuads::Place place = near.find(point(position, x), square);
+        if (!call.work(place.steps, 0, false)) return false;
+        square = std::max(square, place.square);
     }
     distance = std::sqrt(square);
     return true;

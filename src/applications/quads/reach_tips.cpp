@@ -45,10 +45,10 @@ private:
         Array<FarVertex> farthest;
         if (!farthest.allocate_filled(call_.memory, quads_.quad_count(), FarVertex{NONE, NONE, 0})) return false;
         for (uint32_t x = 0; x < mesh_.vertex_count; ++x) {
-            if (x % 1024 == 0 && !call_.tick(0)) return false;
             if (side_at(mesh_, x) == NONE) continue;
             const double least = is_sharp_corner(mesh_, position_, x) ? 0 : least_ * least_;
             const NearestQuads::Place place = near_.find(point(position_, x), least);
+            if (!call_.work(place.steps, 0, false)) return false;
             if (place.square > std::max(least, farthest[place.quad].distance))
                 farthest[place.quad] = {x, place.quad, place.square};
         }
@@ -65,7 +65,7 @@ private:
         Array<uint8_t> near;
         if (!near.allocate_filled(call_.memory, quads_.vertex_count(), uint8_t{0})) return false;
         for (const FarVertex& tip : tips_) {
-            if (!call_.work(256, 0)) return false;
+            if (!call_.work(8192, 0, false)) return false; // up to eight walks on the surface, and quads around them
             Place to;
             uint32_t best = mover(tip, false, near, to);
             const bool there = best != NONE;
