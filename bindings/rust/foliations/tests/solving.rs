@@ -380,7 +380,8 @@ fn cylinders_fill_the_surface() {
     let leaves = foliation.tracer().spacing(0.3).trace().unwrap();
     assert!(leaves.lines().iter().all(|line| line.height < cylinders.list[line.cylinder.unwrap() as usize].height));
 
-    assert!(foliation.cylinders(None).unwrap().list.iter().all(|cylinder| cylinder.loop_index.is_none()));
+    let by_default = foliation.cylinders(None).unwrap();
+    assert!(by_default.list.iter().zip(&cylinders.list).all(|(one, other)| one.loop_index == other.loop_index));
     let others = hierarchy.loops(0, LoopsKind::Handle).unwrap();
     assert_eq!(foliation.cylinders(Some(&others)).unwrap_err().status(), Status::ERROR_VALUE_CLASS);
 }
