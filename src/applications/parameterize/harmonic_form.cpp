@@ -71,9 +71,11 @@ TwistedLaplacian::Balance TwistedLaplacian::read_divergence(const TwistedForm& f
         right_[v] = divergence;
         balance.divergence += divergence * divergence / diagonal_[v];
         balance.pull += pull * pull / diagonal_[v];
+        // Values are whole units: each side of the star may be off by one.
         if (known.coclosed && known.coclosed[v])
             balance.unexpected +=
-                std::fabs(divergence) > known.share * (pull + rounding * std::sqrt(known.energy * diagonal_[v]));
+                std::fabs(divergence)
+                > known.share * (pull + rounding * std::sqrt(known.energy * diagonal_[v])) + diagonal_[v];
     }
     return balance;
 }

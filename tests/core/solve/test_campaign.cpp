@@ -539,6 +539,15 @@ TEST(Campaign, SeedsThatFailedWithMarkedVertices) {
     EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
 
+// Values of a few units on edges that are 1e6 times as heavy as others: (u, v) was refused with an internal error,
+// because the rounding to the unit was taken for a foliation that is not harmonic.
+TEST(Campaign, MapsOfValuesOfAFewUnits) {
+    Tally tally;
+    solve_problem(110260, tally, Family::lattices);
+    EXPECT_EQ(tally.errors, 0u);
+    EXPECT_EQ(tally.maps.made, 1u);
+}
+
 // Zeros without a corner of their own.  Two maps are refused.  9: nothing is left of the foliation at two thirds of the
 // vertices, and the image covers 4.8 times its area.  1: 444 vertices of genus 8, where the circumference of a cylinder
 // is off by a factor of 2.03.  941059 has 572 zeros on 1360 vertices.
