@@ -48,7 +48,7 @@ public:
             strip.low = -strip.high;
             const Crossing* leaf = middle.crossings.data() + middle.offsets[c];
             const size_t length = static_cast<size_t>(middle.offsets[c + 1] - middle.offsets[c]);
-            strip.period = strip.length = period(leaf, length);
+            if (find_period(leaf, length, strip)) return call_.status();
             // Twice: at first the zeros are only nearly where the strip ends.
             for (uint32_t round = 0; round < 2; ++round) {
                 if (!spread(strip, leaf, length, 2 * c + round + 1)) return call_.stopped();
@@ -82,17 +82,28 @@ private:
         lay(t, static_cast<int8_t>(out_.sign[mesh_.face[h]] * flat_.bundle.turn[edge_of(h)]));
     }
 
-    // v grows by this once along a closed leaf.
-    int64_t period(const Crossing* leaf, size_t length) const {
+    // v grows by the period once along a closed leaf.
+    hmf_status find_period(const Crossing* leaf, size_t length, Strip& strip) {
+        constexpr double longest = 1e18; // units: the sum of v over the corners of a triangle fits 63 bits
         int64_t v = 0;
+        double way = 0; // without signs
         int8_t s = 1;
         for (size_t i = 0; i < length; ++i) {
             const uint32_t to = leaf[i + 1 < length ? i + 1 : 0].half_edge;
-            for (uint32_t h = twin(leaf[i].half_edge); h != mesh_.next[to]; h = mesh_.next[h])
-                v += s * flat_.dv.at(flat_.bundle, h);
+            for (uint32_t h = twin(leaf[i].half_edge); h != mesh_.next[to]; h = mesh_.next[h]) {
+                const int64_t dv = flat_.dv.at(flat_.bundle, h);
+                way += std::fabs(static_cast<double>(dv));
+                if (way > longest)
+                    return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                                      "A cylinder is more than %.3g times as long as high. Repair triangles that are "
+                                      "nearly without area.",
+                                      way / static_cast<double>(strip.high - strip.low));
+                v += s * dv;
+            }
             s = static_cast<int8_t>(s * flat_.bundle.turn[edge_of(to)]);
         }
-        return v < 0 ? -v : v;
+        strip.period = strip.length = v < 0 ? -v : v;
+        return HMF_OK;
     }
 
     // A multiple of the period that brings the barycenter (times 3) to [3 from, 3 (from + period)).

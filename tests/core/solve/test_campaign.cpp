@@ -569,6 +569,14 @@ TEST(Campaign, AtlasesWithLongCharts) {
     EXPECT_EQ(tally.atlases.made, tally.problems);
 }
 
+// A cylinder 45 000 times as long as high: v along it went beyond 63 bits, and the packing asked for all memory.
+TEST(Campaign, AtlasOfACylinderThatIsTooLong) {
+    Tally tally;
+    solve_problem(110710, tally);
+    EXPECT_EQ(tally.errors, 0u);
+    EXPECT_EQ(tally.atlases.refused, 1u);
+}
+
 // Which flips come first depends on the numbers of the edges.  Triangles 40 000 times as long as wide have areas that
 // lengths in doubles know to 6 digits: three hierarchies had weights up to 68 % apart and energies 3e-5 apart.
 TEST(Campaign, WeightsDoNotDependOnTheOrderOfFlips) {
