@@ -3,25 +3,12 @@
 #include "carry_loops.hpp"
 #include "../../core/curves/disjoint.hpp"
 #include "library_loops.hpp"
+#include "loop_parameters.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace hmf {
-
-namespace {
-
-constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000; // at least, if there are so many
-constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 64;              // of a class
-constexpr double SAME = 1e-4;                                           // shorter by less: one curve
-// Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
-// circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
-constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
-constexpr size_t LENGTH_ROUNDS = 100;
-constexpr double OTHER_CLASS = 0.01;              // relative: another strip, or another length where it was found
-constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
-
-} // namespace
 
 ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care) :
     hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, found)), position_(hierarchy.levels[found].position),
@@ -68,7 +55,7 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
-    if (!geodesic.straighten(loop_, LENGTH_ROUNDS, c.length)) return false;
+    if (!geodesic.straighten(loop_, STRAIGHTENINGS, c.length)) return false;
     // Mean place of the curve.
     const Array<double>& shares = geodesic.shares();
     const auto crossing = [&](size_t i, double* to) {

@@ -1,24 +1,12 @@
 #include "closed_geodesic.hpp"
 
+#include "loop_parameters.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 namespace hmf {
-
-namespace {
-
-// A detour that gains less is none.
-constexpr double STRAIGHT = 1e-9;
-constexpr double GEODESIC_LITTLE = 1e-7;     // relative, what is not worth another round
-constexpr double LITTLE_HELD = 1e-3;         // likewise while a point is held
-constexpr double BENT = 0.005;               // relative, longer by more there: it does not get shorter than another
-constexpr size_t MIDWAY = 2, MOST_ASIDE = 8; // strips that it is pushed aside
-constexpr size_t MOST_MOVES = 4;             // how often it starts again from a shorter curve
-constexpr double MOVED = 1e-4;               // relative, shorter by more
-constexpr size_t MOST_MORE = 64;             // crossings of a detour, beyond those of the loop
-
-} // namespace
 
 ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double scale, Call& call) :
     mesh_(mesh), position_(position), scale_(scale > 0 ? scale : 1), call_(call) {
@@ -141,80 +129,11 @@ double ClosedGeodesic::crossed_at(Point at, Point ahead, const Portal& p) {
     return std::min(std::max(share, 0.0), 1.0);
 }
 
-// Where the curve that was pulled from a portal to the same one a period on
-// crosses the edges in between.
-void ClosedGeodesic::read_shares(Point from, size_t portal, Point to, size_t n) {
-    size_t next = 0; // the bend, or the end, that the curve goes to
-    const auto corner = [&](size_t b) { return b < bend_.size() ? Point{bend_[b].x, bend_[b].y} : to; };
-    Point at = from;
-    for (size_t i = portal; i < portal + n; ++i) {
-        while (next < bend_.size() && bend_[next].portal < i) at = corner(next++);
-        share_[i % n] = crossed_at(at, corner(next), portal_[i]);
-    }
-}
-
-// Through three periods of the strip; a bend of the one in the middle is a
-// point of the closed curve, or close to it.
-Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& length) {
-    assert(n > 0);
-    if (!unfold(loop, n, 3 * n + 1)) return false;
-    const auto middle = [&](size_t i) {
-        return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
-    };
-    if (!pull(middle(0), 0, middle(3 * n), 3 * n)) return false;
+// Where the curve that was pulled from one point to the same one a period on crosses the edges in between.
+Done ClosedGeodesic::read_shares(Point from, Point to, size_t n) {
     share_.clear();
     for (size_t i = 0; i < n; ++i)
-        if (!share_.push(0.5)) return false;
-    length = HUGE_VAL;
-    for (int round = 0; round < 3; ++round) {
-        // The bend next to the middle of the way.
-        size_t best = bend_.size();
-        for (size_t b = 0; b < bend_.size(); ++b) {
-            const size_t half = round ? n / 2 : 3 * n / 2;
-            const auto away = [&](size_t c) {
-                const size_t p = bend_[c].portal;
-                return p > half ? p - half : half - p;
-            };
-            if (best == bend_.size() || away(b) < away(best)) best = b;
-        }
-        size_t portal = 0;
-        Point from = middle(0), to = middle(n);
-        if (best < bend_.size()) {
-            portal = bend_[best].portal % n;
-            const bool left = bend_[best].left;
-            from = left ? portal_[portal].left : portal_[portal].right;
-            to = left ? portal_[portal + n].left : portal_[portal + n].right;
-        } else if (round == 0) { // a straight line: where it passes portal n
-            const Point a = middle(0), b = middle(3 * n), l = portal_[n].left, r = portal_[n].right;
-            const auto side = [&](Point p) { return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x); };
-            const double at_l = side(l), at_r = side(r), t = at_l != at_r ? at_l / (at_l - at_r) : 0.5;
-            const auto on = [&](const Portal& p) {
-                return Point{p.left.x + t * (p.right.x - p.left.x), p.left.y + t * (p.right.y - p.left.y)};
-            };
-            from = on(portal_[0]);
-            to = on(portal_[n]);
-        } else {
-            break;
-        }
-        // Bends are counted from the portal on, so that the next round takes one of the other half.
-        if (!pull(from, portal, to, portal + n)) return false;
-        const double found = pulled_length(from, to);
-        if (found < length) read_shares(from, portal, to, n);
-        length = std::min(length, found);
-        for (Bend& b : bend_) b.portal = static_cast<uint32_t>(b.portal - portal);
-        if (bend_.empty()) break;
-        size_t half = 0;
-        for (size_t b = 0; b < bend_.size(); ++b) {
-            const auto away = [&](size_t c) {
-                const size_t p = bend_[c].portal;
-                return p > n / 2 ? p - n / 2 : n / 2 - p;
-            };
-            if (away(b) < away(half)) half = b;
-        }
-        const Bend kept = bend_[half];
-        bend_.clear();
-        if (!bend_.push({kept.x, kept.y, static_cast<uint32_t>((kept.portal + portal) % n), kept.left})) return false;
-    }
+        if (!share_.push(share_at(from, to, i))) return false;
     return true;
 }
 
@@ -276,15 +195,13 @@ Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, P
     return true;
 }
 
-// All bends of the period that begins at a portal that gain, as long as their crossings differ.  The curve goes
-// from one point to another, in these periods and maybe more.
-Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, size_t begin, Point from, Point to, bool& changed) {
+// All bends that gain, as long as their crossings differ.  The curve goes from one point to another.
+Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, Point from, Point to, bool& changed) {
     changed = false;
     detour_.clear();
     if (!detours_at_.allocate_filled(call_.memory, n, NONE)) return false;
     around_.clear();
     for (size_t b = 0; b < bend_.size(); ++b) {
-        if (bend_[b].portal < begin || bend_[b].portal >= begin + n) continue;
         size_t first = 0, count = 0;
         bool shorter = false;
         if (!look_outside(loop, n, b, from, to, first, count, shorter)) return false;
@@ -346,11 +263,13 @@ Done ClosedGeodesic::take_next(Array<uint32_t>& loop, bool& taken) {
     return true;
 }
 
-// One point of the curve is held while a period is pulled from there, another one the next time.
-Done ClosedGeodesic::straighten_held(Array<uint32_t>& loop, size_t rounds, double& length) {
-    length = HUGE_VAL;
+// One point of the curve is held while a period is pulled from there, another one, half a period away, the next time:
+// roughly first, and to the end if the curve is of interest.
+Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length, double interest) {
+    double little = LITTLE_HELD;
     Held held = {loop[0], 0.5};
-    for (size_t round = 0, still = 0; round < rounds && still < 2; ++round) {
+    length = HUGE_VAL;
+    for (size_t round = 0, still = 0;; ++round) {
         if (!call_.tick(0, true)) return false;
         const size_t n = loop.size();
         size_t at = 0;
@@ -366,40 +285,18 @@ Done ClosedGeodesic::straighten_held(Array<uint32_t>& loop, size_t rounds, doubl
         if (!pull(from, 0, to, n)) return false;
         const double now = pulled_length(from, to);
         bool changed = false, taken = false;
-        if (!go_round(loop.data(), n, 0, from, to, changed)) return false;
-        still = changed && now < length * (1 - LITTLE_HELD) ? 0 : still + 1;
+        if (!go_round(loop.data(), n, from, to, changed)) return false;
+        still = now < length * (1 - little) ? 0 : still + 1;
         length = now;
-        held = held_next(loop.data(), n, from, to);
-        if (!changed) continue;
-        if (!take_next(loop, taken)) return false;
-        if (!taken) break;
+        if (still == 2 && little > GEODESIC_LITTLE && !(length > interest * (1 + BENT))) {
+            little = GEODESIC_LITTLE;
+            still = 0;
+        }
+        const bool ends = still == 2 || round + 1 == rounds;
+        if (!ends) held = held_next(loop.data(), n, from, to);
+        if (!ends && changed && !take_next(loop, taken)) return false;
+        if (ends || (changed && !taken)) return read_shares(from, to, n);
     }
-    return true;
-}
-
-Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length, double interest) {
-    double before = HUGE_VAL;
-    if (!straighten_held(loop, rounds, length)) return false;
-    if (length > interest * (1 + BENT)) return true;
-    for (size_t round = 0; round < rounds; ++round) {
-        if (!call_.tick(0, true)) return false;
-        const size_t n = loop.size();
-        if (!unfold(loop.data(), n, 3 * n + 1)) return false;
-        const auto middle = [&](size_t i) {
-            return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
-        };
-        const Point from = middle(0), to = middle(3 * n);
-        if (!pull(from, 0, to, 3 * n)) return false;
-        const double now = pulled_length(from, to);
-        if (now > before * (1 - GEODESIC_LITTLE)) break;
-        before = now;
-        bool changed = false, taken = false;
-        if (!go_round(loop.data(), n, n, from, to, changed)) return false;
-        if (!changed) break;
-        if (!take_next(loop, taken)) return false;
-        if (!taken) break;
-    }
-    return length_in_strip(loop.data(), loop.size(), length);
 }
 
 // next_: the strip around the vertices on one side, if there are two and none is marked.
@@ -439,7 +336,7 @@ Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, dou
         return true;
     };
     if (!straighten(loop, rounds, length) || !copy(best_, loop) || !copy(best_share_, share_)) return false;
-    for (size_t moves = 0; moves < MOST_MOVES;) {
+    for (int moves = 0; moves < CHOICE_ROUNDS;) {
         bool shorter = false;
         for (int side = 0; side < 2 && !shorter; ++side) {
             if (!copy(pushed_, best_)) return false;
@@ -457,7 +354,7 @@ Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, dou
                 double found = 0;
                 if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found, length)) return false;
                 if (!(found < length * (1 - GEODESIC_LITTLE))) continue;
-                shorter = found < length * (1 - MOVED);
+                shorter = found < length * (1 - SAME);
                 length = found;
                 if (!copy(best_, tried_) || !copy(best_share_, share_)) return false;
             }

@@ -10,9 +10,8 @@
 //                                  find geodesic paths in triangle meshes by just flipping
 //                                  edges, 2020).
 //
-// Repeated until nothing changes: first with a fixed point of the curve, alternately on opposite sides, for which one
-// period of the strip suffices, then through three periods.  A marked vertex stays on
-// its side.
+// Repeated until it gets no shorter, with a fixed point of the curve, alternately on opposite sides (Birkhoff's curve
+// shortening, of two arcs).  A marked vertex stays on its side.
 //
 // A surface with bumps has several closed geodesics in a class.  So the strip is
 // also pushed aside, over the vertices on one side of it, once or several times,
@@ -67,9 +66,7 @@ private:
         double share;
     };
 
-    // Of the shortest curve within the strip, as it is.
-    Done length_in_strip(const uint32_t* loop, size_t n, double& length);
-    void read_shares(Point from, size_t portal, Point to, size_t n);
+    Done read_shares(Point from, Point to, size_t n);
 
     double edge_length(uint32_t edge) {
         if (edge_length_.empty()) return measure_edge(edge);
@@ -83,9 +80,8 @@ private:
     Done look_outside(const uint32_t* loop, size_t n, size_t bend, Point from, Point to, size_t& first, size_t& count,
                       bool& shorter);
     Done push_aside(const Array<uint32_t>& loop, bool left, bool& moved);
-    Done go_round(const uint32_t* loop, size_t n, size_t begin, Point from, Point to, bool& changed);
+    Done go_round(const uint32_t* loop, size_t n, Point from, Point to, bool& changed);
     Done take_next(Array<uint32_t>& loop, bool& taken);
-    Done straighten_held(Array<uint32_t>& loop, size_t rounds, double& length);
     Held held_next(const uint32_t* loop, size_t n, Point from, Point to) const;
     double share_at(Point from, Point to, size_t portal) const;
     static double crossed_at(Point at, Point ahead, const Portal& p);

@@ -34,20 +34,6 @@ namespace hmf {
 namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
-constexpr double SLACK = LoopSearch::SLACK;
-constexpr double ROOTS = 1.15; // no search if all its loops are longer than the best one by this factor
-// Of many handles some are so narrow that strips around them are half as long again as they should be, or one twice as
-// long.  That one comes last, and its search reaches further, and leaves out less.
-constexpr uint32_t MANY_CUT_HANDLES = 10;
-constexpr double MANY_ROOTS = 1.5, CUT_FAR = 2.6, FAR_ROOTS = 2;
-constexpr double APART = 0.15;           // least distance from another search, in lengths of the best loop
-constexpr uint32_t MOST_OF_BATCH = 64;   // a bit for each; else half of the loops that are left
-constexpr int MOST_CHOICES = 4;          // of a batch, as its classes are measured
-constexpr double BATCH = ROOTS;          // loops longer than the best one by this factor are left to the next search
-constexpr size_t MOST_CANDIDATES = 48;   // for one loop
-constexpr double MOST_BUDGET = 32;       // so many times the work of the others, and no loop: it ends
-constexpr uint64_t CUT_MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
-constexpr int MOST_ROUNDS = 8;           // of measuring and choosing again
 
 struct Root {
     double known; // length of a loop through it, whatever its labels; 0 beside gates
@@ -85,7 +71,7 @@ public:
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();
         const uint32_t fixed = k;
         uint64_t steps = 0;
-        for (int round = 0; round < MOST_ROUNDS; ++round) {
+        for (int round = 0; round < CHOICE_ROUNDS; ++round) {
             while (k < wanted) {
                 if (!call_.tick(static_cast<double>(k) / wanted, true)) return call_.was_cancelled();
                 const uint32_t before = k;
@@ -95,12 +81,12 @@ public:
             }
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
-            if (!changed || round + 1 == MOST_ROUNDS) break; // the last round keeps what it has
+            if (!changed || round + 1 == CHOICE_ROUNDS) break; // the last round keeps what it has
             for (k = fixed; k < wanted; ++k) {
                 Choice& choice = choice_[k - fixed];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
-                if (steps + wanted - k > CUT_MOST_STEPS + wanted + wanted / 2) return HMF_OK;
+                if (steps + wanted - k > CHOICE_STEPS + wanted + wanted / 2) return HMF_OK;
                 choice.taken = taken;
                 if (!go_back(k, fixed)) return call_.out_of_memory();
                 ++k;
@@ -125,7 +111,7 @@ private:
         if (!curves_.trace(mesh_, call_) || !cut_.build(mesh_, curves_, true, call_) || !signatures_.build(cut_, call_)
             || !prepare())
             return call_.stopped();
-        has_many_ = genus >= MANY_CUT_HANDLES && !condition_;
+        has_many_ = genus >= MANY_HANDLES && !condition_;
         is_far_ = k + 1 == genus && has_many_;
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
@@ -142,7 +128,7 @@ private:
         if (!open_batch()) return call_.out_of_memory();
         const uint32_t begin = k, end = k + std::min(std::max((genus - k) / 2, 1u), MOST_OF_BATCH);
         bool changed = true;
-        for (int time = 0; changed && time < MOST_CHOICES; ++time) {
+        for (int time = 0; changed && time < CHOICE_ROUNDS; ++time) {
             if (time > 0 && !reopen_batch(begin)) return call_.out_of_memory();
             k = begin;
             if (const hmf_status chosen = choose_batch(k, end)) return chosen;
@@ -208,13 +194,13 @@ private:
     // Of the candidates the one with the shortest class.  any: there is one, and none that waits is shorter.
     Done choose(bool& any) {
         const size_t first = ids_.size();
-        const size_t most = is_quick() ? 1 : MOST_CANDIDATES;
+        const size_t most = is_quick() ? 1 : CUT_CANDIDATES;
         double shortest = UNREACHED, waiting = UNREACHED;
         waits_.clear();
         for (size_t i = 0; i < candidates_.size() && ids_.size() < first + most; ++i) {
             Candidate& c = candidates_[i];
             if (!by_count_ && c.length > slack() * shortest) break;
-            if (!words_.empty() && shortest == UNREACHED && c.length > BATCH * best_) break;
+            if (!words_.empty() && shortest == UNREACHED && c.length > ROOTS * best_) break;
             if (!words_.empty() && c.place == Place::open) look_at(c);
             if (c.place == Place::gone) continue;
             if (c.id == NONE && !lengths_.add(strips_.data() + c.first, c.size, c.id)) return false;
@@ -393,11 +379,11 @@ private:
         for (;;) {
             if (!search_roots(allowed)) return call_.stopped();
             if (found_ || !search_.budget_exhausted() || exceeds_budget(allowed)
-                || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
+                || (by_count_ && states_per_region_ == MOST_STATES))
                 break;
             // A loop that winds a lot needs more room in its covering.  Where short
             // ways in other directions use that up, each edge counts the same.
-            if (states_per_region_ < LoopSearch::MOST_STATES) states_per_region_ *= 4;
+            if (states_per_region_ < MOST_STATES) states_per_region_ *= 4;
             else count_edges();
             if (!prepare()) return call_.out_of_memory();
         }
@@ -413,11 +399,10 @@ private:
     Done search_roots(double allowed) {
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= roots() * best_
-                || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
+                || (found_ && search_.nearest_root(roots_[i].region) < CUT_APART * best_))
                 continue;
             if (found_ ? static_cast<double>(search_.work()) >= allowed : exceeds_budget(allowed)) return true;
-            if (search_.budget_exhausted() && !found_ && i >= 4
-                && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
+            if (search_.budget_exhausted() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == MOST_STATES))
                 return true;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
             if (!look_from(roots_[i].region)) return false;
@@ -425,8 +410,8 @@ private:
         return true;
     }
 
-    double slack() const { return is_quick() ? 1 : is_far_ ? CUT_FAR : SLACK; }
-    double roots() const { return is_far_ ? FAR_ROOTS : has_many_ && reach_ == RootReach::far ? MANY_ROOTS : ROOTS; }
+    double slack() const { return is_quick() ? 1 : is_far_ ? LAST_SLACK : SLACK; }
+    double roots() const { return is_far_ ? LAST_ROOTS : has_many_ && reach_ == RootReach::far ? WIDE_ROOTS : ROOTS; }
 
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {

@@ -7,14 +7,13 @@
 #include "../../core/curves/cut_surface.hpp"
 #include "../../core/curves/disjoint.hpp"
 #include "find_loops.hpp"
+#include "loop_parameters.hpp"
 
 #include <algorithm>
 
 namespace hmf {
 
 namespace {
-
-constexpr size_t DUAL_PASSES = 8; // of the surface, by the searches of one cut
 
 class DualLoops {
 public:

@@ -26,16 +26,6 @@ namespace hmf {
 
 namespace {
 
-constexpr double MOVE_SLACK = LoopSearch::SLACK, MOVE_ROOTS = 1.15, MOVE_APART = 0.2; // see cut_system.cpp
-constexpr double MOVE_FURTHER = 1.8; // than the least estimate: see pants_decomposition.cpp
-constexpr size_t MOST_FIRST = 5;     // of two curves, the first one
-constexpr size_t MOST_OPTIONS = 24;  // of a search
-constexpr double MARGIN = 0.05;      // relative, by which two curves may be longer where they are found
-constexpr double MOVE_GAIN = 1e-6;   // relative, of a move
-constexpr double MOVE_LITTLE = 1e-3; // relative, of another strip in the class
-constexpr size_t MOST_TOGETHER = 8;  // curves that are pulled at once
-constexpr int MOST_PASSES = 64, MOST_MEASURES = 4;
-
 class ElementaryMoves {
 public:
     ElementaryMoves(const Mesh& mesh, const double* position, ClassLengths& lengths, Loops& loops, Call& call) :
@@ -145,7 +135,7 @@ private:
     Done find_joins(const Component& component) {
         const size_t begin = options_.size();
         if (!joins_.find(component.surface, component.is_hole, MOVE_FURTHER, join_, call_)) return false;
-        for (size_t i = 0; i < join_.size() && options_.size() < begin + MOST_OPTIONS; ++i) {
+        for (size_t i = 0; i < join_.size() && options_.size() < begin + MOVE_CANDIDATES; ++i) {
             const size_t first = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == first) continue;
@@ -167,17 +157,17 @@ private:
         for (uint32_t s = 0; s < cut.segment_count; ++s) {
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut.region[2 * size_t{s}];
-            if (r == done || search.bound(r) >= std::max(MOVE_ROOTS * best, wanted)
+            if (r == done || search.bound(r) >= std::max(ROOTS * best, wanted)
                 || search.nearest_root(r) < MOVE_APART * std::max(best, wanted))
                 continue;
             done = r;
-            if (!search.search(r, std::max(MOVE_SLACK * best, wanted), wanted)) return false;
+            if (!search.search(r, std::max(SLACK * best, wanted), wanted)) return false;
             for (size_t i = 0; i < search.count(); ++i) {
                 if (!search.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut.segment_edge[link >> 1]];
                 best = std::min(best, total);
-                if (!(total < std::max(MOVE_SLACK * best, wanted))) continue;
+                if (!(total < std::max(SLACK * best, wanted))) continue;
                 const size_t first = links_.size();
                 for (const uint32_t link : cycle_)
                     if (!links_.push(link)) return false;
@@ -189,7 +179,7 @@ private:
         });
         const size_t begin = options_.size();
         for (const Cycle& c : found_) {
-            if (cycles.size() == MOST_OPTIONS || c.length > std::max(MOVE_SLACK * best, wanted)) break;
+            if (cycles.size() == MOVE_CANDIDATES || c.length > std::max(SLACK * best, wanted)) break;
             const Strip strip = {strips_.size(), c.size};
             for (size_t k = c.first; k < c.first + c.size; ++k)
                 if (!strips_.push(cut.half_edge(links_[k]))) return false;
@@ -246,7 +236,7 @@ private:
             }
         while (options_.size() > cycles) options_.pop();
         size_t tried = 0;
-        for (size_t i = 0; i < cycles && tried < MOST_FIRST; ++i) {
+        for (size_t i = 0; i < cycles && tried < FIRST_OF_TWO; ++i) {
             if (options_[i].id == id_[k] || options_[i].id == id_[l]) continue;
             if (2 * lengths_.length(options_[i].id) > (length(k) + length(l)) * (1 + MARGIN)) continue;
             ++tried;
@@ -278,7 +268,7 @@ private:
 
     Done measure() {
         bool changed = true;
-        for (int time = 0; changed && time < MOST_MEASURES; ++time) {
+        for (int time = 0; changed && time < CHOICE_ROUNDS; ++time) {
             if (!lengths_.measure(changed)) return false;
             for (size_t i = 0; changed && i < moves_.size(); ++i) {
                 const Move& m = moves_[i];

@@ -17,16 +17,13 @@
 #include "carry_loops.hpp"
 #include "class_lengths.hpp"
 #include "handle_system.hpp"
+#include "loop_parameters.hpp"
 
 #include <algorithm>
 
 namespace hmf {
 
 namespace {
-
-// A coarser level does not represent the surface: handles are shorter or longer there by a half. Many handles have
-// different sizes, and the small ones get few of the vertices.
-constexpr uint64_t VERTICES_OF_HANDLE = 420, MANY_HANDLES = 10, MOST_VERTICES = 10000;
 
 constexpr int UNIT_BITS = 20; // of a weight of 1
 
@@ -68,7 +65,7 @@ hmf_status build_reference(const hmf_hierarchy& h, hmf_hierarchy& made, Call& ca
 // The coarsest level with 1000 vertices and 420 for each handle, or with 10 000 from ten handles on; not level 0, whose
 // triangles may have any shape, unless no other level has 1000.
 size_t search_level(const hmf_hierarchy& h) {
-    const uint64_t wanted = h.genus < MANY_HANDLES ? VERTICES_OF_HANDLE * h.genus : MOST_VERTICES;
+    const uint64_t wanted = h.genus < MANY_HANDLES ? VERTICES_OF_HANDLE * h.genus : MEASURED_VERTICES;
     size_t level = h.level_count - 1;
     while (level > 0 && h.levels[level].mesh.vertex_count < USUAL_COARSEST) --level;
     while (level > 1 && h.levels[level].mesh.vertex_count < wanted) --level;

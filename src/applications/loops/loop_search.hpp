@@ -18,15 +18,12 @@
 
 #include "../../core/base/nearest_first.hpp"
 #include "find_loops.hpp"
+#include "loop_parameters.hpp"
 #include "signatures.hpp"
 
 #include <algorithm>
 
 namespace hmf {
-
-// Regions that all searches for one set of loops may settle: linear in the faces on large meshes. Then the best loops
-// found so far are taken.
-inline double search_budget(uint32_t faces) { return 5e6 + 12.0 * faces; }
 
 class LoopSearch {
 public:
@@ -34,13 +31,8 @@ public:
     LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call) :
         cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
 
-    static constexpr size_t MOST_STATES = 256; // per region
-
     // For a new cut; all bounds become 0.
     Done prepare(const Signatures& signatures, size_t states_per_region);
-
-    static constexpr double SLACK = 1.7;
-    static constexpr size_t MOST_LOOPS = 16; // of one search
 
     // Searches for loops through the root that are shorter than `limit`, including the path from the root to them and
     // back, and updates the bounds. Loops shorter than `kept` are always reported.

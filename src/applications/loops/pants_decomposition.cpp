@@ -40,17 +40,6 @@ namespace hmf {
 
 namespace {
 
-constexpr double PANTS_FURTHER = 2.5; // than the least estimate: true lengths may be in another order
-constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APART = 0.1; // see cut_system.cpp
-// On a sphere a class has many closed geodesics, some of which hang on marked vertices: more searches.
-constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
-constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
-constexpr size_t PANTS_MOST_CANDIDATES = 64;
-// One of so many loops that are left is taken at once. Quick loops are not corrected by moves.
-constexpr size_t PART_OF_BATCH = 16, PART_OF_QUICK_BATCH = 64;
-constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
-constexpr int PANTS_MOST_ROUNDS = 8;       // of measuring and choosing again
-
 class Pants {
 public:
     Pants(const Mesh& mesh, const double* position, bool marks_only, ClassLengths& lengths, Loops& loops, Call& call) :
@@ -76,12 +65,12 @@ public:
         cycle_.start(memory_);
         mark_word_.start(memory_);
         steps_ = 0;
-        for (int round = 0; round < PANTS_MOST_ROUNDS; ++round) {
+        for (int round = 0; round < CHOICE_ROUNDS; ++round) {
             while (loops_.count() < wanted_)
                 if (const hmf_status status = add_loop()) return status;
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
-            if (!changed || round + 1 == PANTS_MOST_ROUNDS) break; // the last round keeps what it has
+            if (!changed || round + 1 == CHOICE_ROUNDS) break; // the last round keeps what it has
             if (const hmf_status status = choose_again()) return status;
         }
         if (loops_.count() == given_) return HMF_OK;
@@ -121,7 +110,7 @@ private:
             Choice& choice = choice_[k];
             const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
             if (taken == choice.taken) continue;
-            if (steps_ + choice_.size() - k > PANTS_MOST_STEPS + choice_.size() + choice_.size() / 2) break;
+            if (steps_ + choice_.size() - k > CHOICE_STEPS + choice_.size() + choice_.size() / 2) break;
             choice.taken = taken;
             while (choice_.size() > k + 1) choice_.pop();
             while (ids_.size() > choice_.back().end) {
@@ -160,7 +149,7 @@ private:
         search_.raise_bounds(face_bound_);
         if (marks_only_ && !find_mark_words()) return false;
         const bool sphere = lengths_.is_sphere();
-        const double roots = sphere ? ROOTS_OF_SPHERE : PANTS_ROOTS, apart = sphere ? APART_ON_SPHERE : PANTS_APART;
+        const double roots = sphere ? ROOTS_OF_SPHERE : ROOTS, apart = sphere ? APART_ON_SPHERE : PANTS_APART;
         double best = HUGE_VAL;
         if (!shortest_strip(best)) return false;
         uint32_t done = NONE;
@@ -173,14 +162,14 @@ private:
                 continue;
             if (static_cast<double>(search_.work()) >= allowed_) break;
             done = r;
-            if (!search_.search(r, PANTS_SLACK * best)) return false;
+            if (!search_.search(r, SLACK * best)) return false;
             for (size_t i = 0; i < search_.count(); ++i) {
                 if (marks_only_ && !is_round_pair(search_.signature(i))) continue;
                 if (!search_.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
                 best = std::min(best, total);
-                if (!(total < PANTS_SLACK * best)) continue;
+                if (!(total < SLACK * best)) continue;
                 const size_t begin = strips_.size();
                 for (const uint32_t link : cycle_)
                     if (!strips_.push(cut_.half_edge(link))) return false;
@@ -220,7 +209,7 @@ private:
     // Of the joins.  Around marked vertices a strip is longer than the estimate.
     Done shortest_strip(double& shortest) {
         const size_t begin = strips_.size();
-        for (size_t i = 0; i < join_.size() && i < PANTS_MOST_CANDIDATES && join_[i].length < shortest; ++i) {
+        for (size_t i = 0; i < join_.size() && i < PANTS_CANDIDATES && join_[i].length < shortest; ++i) {
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;
             double length = 0;
@@ -245,11 +234,11 @@ private:
         const bool is_quick = lengths_.care() == LoopCare::quick;
         bool added = false;
         if (!is_quick && !find_cycles()) return false;
-        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + PANTS_MOST_CANDIDATES; ++i) {
-            if (cycles_[i].length > PANTS_SLACK * cycles_[0].length) break;
+        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + PANTS_CANDIDATES; ++i) {
+            if (cycles_[i].length > SLACK * cycles_[0].length) break;
             if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
         }
-        for (size_t i = 0; i < join_.size() && i < PANTS_MOST_CANDIDATES; ++i) {
+        for (size_t i = 0; i < join_.size() && i < PANTS_CANDIDATES; ++i) {
             const size_t begin = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;

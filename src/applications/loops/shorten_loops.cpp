@@ -3,13 +3,11 @@
 #include "closed_geodesic.hpp"
 #include "../../core/curves/disjoint.hpp"
 #include "find_loops.hpp"
+#include "loop_parameters.hpp"
 
 namespace hmf {
 
 namespace {
-
-constexpr size_t SHORTEN_ROUNDS = 100; // of one loop
-constexpr int SHORTEN_SWEEPS = 3;
 
 class Shortener {
 public:
@@ -24,7 +22,7 @@ public:
             || !geodesic_.keep_lengths())
             return call_.out_of_memory();
         bool again = true;
-        for (int sweep = 0; again && sweep < SHORTEN_SWEEPS; ++sweep) {
+        for (int sweep = 0; again && sweep < CHOICE_ROUNDS; ++sweep) {
             again = false;
             for (size_t c = first; c < loops_.count(); ++c) {
                 if (!met[c]) continue;
@@ -45,7 +43,7 @@ private:
         for (size_t i = 0; i < loops_.length(c); ++i)
             if (!found_.push(loops_.loop(c)[i])) return false;
         Loops changed;
-        if (!geodesic_.straighten_widely(found_, SHORTEN_ROUNDS, length) || !changed.start(call_.memory)) return false;
+        if (!geodesic_.straighten_widely(found_, STRAIGHTENINGS, length) || !changed.start(call_.memory)) return false;
         for (size_t k = 0; k < loops_.count(); ++k)
             if (!(k == c ? changed.add(found_) : changed.add(loops_, k))) return false;
         if (!one_is_disjoint(mesh_, changed, c, test_, call_, taken)) return false;
