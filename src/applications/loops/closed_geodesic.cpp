@@ -18,6 +18,7 @@ ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double 
     if (largest > 0) scale_ = largest;
     portal_.start(call.memory);
     bend_.start(call.memory);
+    for (Array<Bend>& chain : chain_) chain.start(call.memory);
     next_.start(call.memory);
     outside_.start(call.memory);
     around_.start(call.memory);
@@ -71,41 +72,43 @@ Done ClosedGeodesic::unfold(const uint32_t* loop, size_t n, size_t portals) {
     return true;
 }
 
-// The shortest way through the portals first .. last - 1; bend_ has its corners.
+// The shortest path through the portals first .. last - 1; bend_ has its corners.  The funnel: the shortest paths from
+// the last corner, apex, to the two ends of a portal, each of which turns outwards only.
+//
+//        left \       / right        A new left end cuts corners off the left chain. If it
+//              \     /              lies beyond the right one, the path bends at its corners
+//               \  /               until that is no longer so.
+//               apex
 Done ClosedGeodesic::pull(Point from, size_t first, Point to, size_t last) {
     const auto turn = [](Point a, Point b, Point c) { // > 0: c lies on the left of a -> b
         return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     };
-    const auto same = [](Point a, Point b) { return a.x == b.x && a.y == b.y; };
+    size_t front[2] = {0, 0}; // of the chains, on the left and on the right
     bend_.clear();
-    Point apex = from, left = from, right = from;
-    size_t left_at = first, right_at = first;
+    for (Array<Bend>& chain : chain_) chain.clear();
+    const auto corner = [this](size_t side, size_t i) { return Point{chain_[side][i].x, chain_[side][i].y}; };
     for (size_t i = first; i <= last; ++i) {
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
-        const Point l = i < last ? portal_[i].left : to, r = i < last ? portal_[i].right : to;
-        if (same(apex, right) || turn(apex, right, r) >= 0) {
-            if (same(apex, right) || turn(apex, left, r) <= 0 || same(apex, left)) {
-                right = r;
-                right_at = i;
-            } else { // over the left side: it bends there
-                if (!bend_.push({left.x, left.y, static_cast<uint32_t>(left_at), true})) return false;
-                apex = right = left;
-                i = right_at = left_at;
-                continue;
+        for (size_t side = 0; side < (i < last ? 2 : 1); ++side) {
+            const Point p = i == last ? to : side == 0 ? portal_[i].left : portal_[i].right;
+            const double out = side == 0 ? 1 : -1; // the sign of a turn outwards
+            Array<Bend>&own = chain_[side], &other = chain_[1 - side];
+            while (own.size() > front[side]) {
+                const size_t back = own.size() - 1;
+                if (out * turn(back > front[side] ? corner(side, back - 1) : from, corner(side, back), p) > 0) break;
+                own.pop();
             }
-        }
-        if (same(apex, left) || turn(apex, left, l) <= 0) {
-            if (same(apex, left) || turn(apex, right, l) >= 0 || same(apex, right)) {
-                left = l;
-                left_at = i;
-            } else {
-                if (!bend_.push({right.x, right.y, static_cast<uint32_t>(right_at), false})) return false;
-                apex = left = right;
-                i = left_at = right_at;
-                continue;
+            for (; own.size() == front[side] && other.size() > front[1 - side]; ++front[1 - side]) {
+                if (out * turn(from, corner(1 - side, front[1 - side]), p) >= 0) break;
+                from = corner(1 - side, front[1 - side]);
+                if (!bend_.push(other[front[1 - side]])) return false;
             }
+            const bool is_apex = p.x == from.x && p.y == from.y;
+            if (!is_apex && !own.push({p.x, p.y, static_cast<uint32_t>(i), side == 0})) return false;
         }
     }
+    for (size_t k = front[0]; k + 1 < chain_[0].size(); ++k)
+        if (!bend_.push(chain_[0][k])) return false;
     return true;
 }
 

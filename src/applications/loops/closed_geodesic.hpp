@@ -93,7 +93,7 @@ private:
     Call& call_;
     Array<double> edge_length_; // if they are kept; below 0: not known yet
     Array<Portal> portal_;
-    Array<Bend> bend_;
+    Array<Bend> bend_, chain_[2]; // chain_: of the funnel
     struct Detour {
         size_t first, begin, end; // the crossing where it begins; in around_
         bool left;                // of the loop

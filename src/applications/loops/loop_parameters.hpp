@@ -1,5 +1,6 @@
 // The tuned numbers of the search for loops. Lengths of strips are dual lengths (dual_length.hpp), lengths of classes
-// those of closed geodesics. Measured on 17 meshes of genus 0 to 30: with CHOICE_ROUNDS from 3 to 8 all loops are the same.
+// those of closed geodesics. Measured on 17 meshes of genus 0 to 30: with CHOICE_ROUNDS from 3 to 8 all loops are the
+// same.
 #pragma once
 
 #include <cstddef>
