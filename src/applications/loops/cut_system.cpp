@@ -383,7 +383,7 @@ private:
                 break;
             // A loop that winds a lot needs more room in its covering.  Where short
             // ways in other directions use that up, each edge counts the same.
-            if (states_per_region_ < MOST_STATES) states_per_region_ *= 4;
+            if (states_per_region_ < (by_count_ ? MOST_STATES : STATES_BY_LENGTH)) states_per_region_ *= 4;
             else count_edges();
             if (!prepare()) return call_.out_of_memory();
         }

@@ -32,7 +32,8 @@ constexpr size_t CUT_CANDIDATES = 48, PANTS_CANDIDATES = 64, MOVE_CANDIDATES = 2
 constexpr size_t MOST_LOOPS = 16;                                                  // of one search
 constexpr size_t FIRST_OF_TWO = 5;       // candidates for the first of two curves
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
-constexpr size_t MOST_STATES = 256;      // of a search with labels, per region
+constexpr size_t STATES_BY_LENGTH = 16;  // of a search with labels, per region, before edges are counted instead
+constexpr size_t MOST_STATES = 256;      // per region, then
 constexpr double MOST_BUDGET = 32;       // so many times the work of the other loops without a loop: the search ends
 
 // Regions that all searches for one set of loops may settle: linear in the faces on large meshes. Then the best loops
