@@ -1,5 +1,6 @@
 // Meshes and moments at the limits: vertices of high degree, needles that
 // rounding can be seen at, surfaces that are much longer than wide, a stop at any call of the progress function.
+#include "support/extreme_surfaces.hpp"
 #include "support/watched_host.hpp"
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
@@ -111,6 +112,36 @@ TEST(Extremes, VertexOfHighDegree) {
             EXPECT_EQ(outcome.report.poles, 0u);
             EXPECT_LE(finest_linear_solves(outcome), 4u);
         }
+}
+
+// More neighbors than can be solved for are refused before the work starts. Coarser levels have fewer.
+TEST(Extremes, VertexOfTooHighDegree) {
+    constexpr uint32_t degree = 50001, hub = 12 + degree;
+    const Hierarchy hierarchy(wheels(degree, 1));
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0);
+    const hmf_loop_set view = loops.view();
+    const Foliation start = make<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_foliation_from_loops(hierarchy.get(), &view, nullptr, out, error);
+    });
+    hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-8);
+    for (const bool relax : {false, true}) {
+        Progress progress;
+        const hmf_control control = progress.control();
+        hmf_foliation* out = nullptr;
+        hmf_error error{};
+        const hmf_status status = relax ? hmf_relax(start.get(), &options, &control, &out, &error)
+                                        : hmf_solve(hierarchy.get(), &view, &options, &control, &out, &error);
+        EXPECT_EQ(status, HMF_ERROR_UNSUPPORTED);
+        EXPECT_EQ(out, nullptr);
+        EXPECT_EQ(error.element, HMF_ELEMENT_VERTEX);
+        EXPECT_EQ(error.index, hub);
+        EXPECT_NE(std::string(error.message).find("50001 neighbors"), std::string::npos) << error.message;
+        EXPECT_LT(progress.calls, 1000u);
+        hmf_foliation_destroy(out);
+    }
+    options.stop_level = hierarchy.coarsest();
+    EXPECT_EQ(solve(hierarchy, &loops, options).status, HMF_OK);
 }
 
 // The unit of the values becomes finer where steps do not help.
