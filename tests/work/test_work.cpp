@@ -66,7 +66,12 @@ void every_call(const Extreme& on) {
     build(on, h);
     ASSERT_NE(h, nullptr) << on.name;
     hmf_loop_set *found = nullptr, own = on.loops.view();
-    if (on.loops.count() == 0) find_loops(on, h, HMF_LOOPS_CUT, found);
+    if (on.loops.count() == 0) {
+        hmf_loop_set* tunnel = nullptr;
+        find_loops(on, h, HMF_LOOPS_TUNNEL, tunnel);
+        hmf_free(tunnel);
+        find_loops(on, h, HMF_LOOPS_CUT, found);
+    }
     const hmf_loop_set* const loops = found ? found : &own;
     hmf_foliation* f = nullptr;
     expect_reports(on, "hmf_foliation_from_loops", [&](const hmf_control* control) {
@@ -78,6 +83,12 @@ void every_call(const Extreme& on) {
     expect_reports(on, "hmf_solve",
                    [&](const hmf_control* control) { return hmf_solve(h, loops, nullptr, control, &f, nullptr); });
     if (f) {
+        expect_reports(on, "hmf_relax", [&](const hmf_control* control) {
+            hmf_foliation* relaxed = nullptr;
+            const hmf_status status = hmf_relax(f, nullptr, control, &relaxed, nullptr);
+            hmf_foliation_destroy(relaxed);
+            return status;
+        });
         expect_reports_of<hmf_cylinder_set>(on, "hmf_cylinders", [&](auto control, auto out) {
             return hmf_cylinders(f, loops, control, out, nullptr);
         });
@@ -142,7 +153,7 @@ Extreme with_twists(size_t n, size_t twists) {
 
 TEST(Work, ReportsOnWalls) { every_call({"walls", walled_ring(1000, Strips::fans), {}, {}}); }
 TEST(Work, ReportsOnRings) { every_call({"rings", flat_ring(1024, Strips::fans), {}, {}}); }
-TEST(Work, ReportsOnWheels) { every_call({"wheels", wheels(1000, 2), {}, {}}); }
+TEST(Work, ReportsOnWheels) { every_call({"wheels", wheels(5000, 2), {}, {}}); }
 TEST(Work, ReportsOnPolygons) { every_call(of_polygon(300)); }
 TEST(Work, ReportsWithEveryVertexMarked) {
     const TriMesh mesh = torus(24, 16, 3, 1);

@@ -2,6 +2,8 @@
 
 #include "../base/sort_few.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -92,40 +94,52 @@ uint32_t Sweeps::list_of(uint32_t vertex) const {
     return list_count_;
 }
 
-void Sweeps::sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
+// From task.next on. False: it walked far around clusters, and is not done.
+bool Sweeps::sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
                          bool backward, SweepResult& result) {
     const uint32_t shift = round_[round].shift, own = round_[round].list + block, begin = begin_[own];
     const List list{&order_[begin], begin_[own + 1] - begin, backward};
     task.foliation.block = block << shift;
     task.foliation.mask = outside_in(round) | ((outside_in(0) - 1) >> shift << shift);
-    uint32_t waiting = 0;
-    for (uint32_t i = 0; i < list.size; ++i) {
+    uint32_t& waiting = waits_[own];
+    task.foliation.walked = 0;
+    for (uint32_t& i = task.next; i < list.size; ++i) {
+        if (task.foliation.walked > MOST_WALKED) return false;
         if (list.size - i > Rings::AHEAD) rings.prefetch_star(task.foliation.value, weight, list[i + Rings::AHEAD]);
         task.foliation.outside = false;
         relax_vertex(task.foliation, rings, weight, list[i], task.star, result);
         if (task.foliation.outside) waiting_[begin + waiting++] = list[i];
     }
-    waits_[own] = waiting;
+    return true;
 }
 
 Done Sweeps::sweep_round(uint32_t round, Foliation& f, const Rings& rings, const double* weight, bool backward,
                          const Star& star, SweepResult& result, Call& call, double fraction) {
     const uint32_t blocks = round_[round].count;
     for (uint32_t first = 0; first < blocks; first += BLOCKS_AT_ONCE) {
-        if (!call.tick(fraction, true)) return false;
-        const uint32_t count = std::min(BLOCKS_AT_ONCE, blocks - first), epoch = f.epoch;
+        const uint32_t count = std::min(BLOCKS_AT_ONCE, blocks - first);
         SweepResult part[BLOCKS_AT_ONCE];
-        call.parallel.for_each(count, [&](uint32_t k, uint32_t) {
-            Task& task = task_[k];
+        bool is_done[BLOCKS_AT_ONCE] = {};
+        const auto block = [&](uint32_t k) { return backward ? blocks - 1 - first - k : first + k; };
+        for (uint32_t k = 0; k < count; ++k) {
             // Stamps of one block do not meet those of another one.
-            task.foliation.epoch = epoch;
-            task.star.budget = star.budget;
-            sweep_block(round, backward ? blocks - 1 - first - k : first + k, task, rings, weight, backward, part[k]);
-        });
+            task_[k].foliation.epoch = f.epoch;
+            task_[k].star.budget = star.budget;
+            task_[k].next = waits_[round_[round].list + block(k)] = 0;
+        }
+        Done goes_on = true;
+        while (std::count(is_done, is_done + count, true) < count) {
+            goes_on = call.tick(fraction, true);
+            if (!goes_on) break;
+            call.parallel.for_each(count, [&](uint32_t k, uint32_t) {
+                if (!is_done[k]) is_done[k] = sweep_block(round, block(k), task_[k], rings, weight, backward, part[k]);
+            });
+        }
         for (uint32_t k = 0; k < count; ++k) {
             result += part[k];
             f.epoch = std::max(f.epoch, task_[k].foliation.epoch);
         }
+        if (!goes_on) return false;
     }
     return true;
 }

@@ -42,6 +42,7 @@ private:
     struct Task {
         Foliation foliation;
         Star star;
+        uint32_t next = 0; // of the list of its block: how many were moved
     };
     // Blocks with the same number >> shift are joined.
     struct Round {
@@ -52,7 +53,7 @@ private:
     void plan_rounds();
     void find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel);
     uint32_t list_of(uint32_t vertex) const;
-    void sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
+    bool sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
                      bool backward, SweepResult& result);
     Done sweep_round(uint32_t round, Foliation& f, const Rings& rings, const double* weight, bool backward,
                      const Star& star, SweepResult& result, Call& call, double fraction);
@@ -61,6 +62,7 @@ private:
 
     // Values and weights of the smallest blocks fit into the cache of a core.
     static constexpr uint32_t SMALLEST_BLOCK = 4096, MOST_BLOCKS = 64, BLOCKS_AT_ONCE = 16;
+    static constexpr uint64_t MOST_WALKED = 65536; // half-edges around clusters, by a block between two reports
     static constexpr uint32_t MOST_ROUNDS = 4, MOST_LISTS = 2 * MOST_BLOCKS;
 
     uint32_t block_count_ = 1, round_count_ = 0, list_count_ = 0;

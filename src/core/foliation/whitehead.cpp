@@ -115,6 +115,7 @@ uint32_t walk_to_next_visit(Foliation& f, uint32_t start, uint32_t budget, bool&
     const uint32_t v = mesh.origin[start];
     uint32_t g = start;
     for (uint32_t step = 0; step < budget; ++step) {
+        ++f.walked;
         const uint32_t ahead = mesh.rotate_ccw(g);
         if (f.at(ahead) > 0) {
             if (f.corner2(g) == 0) return NONE;
