@@ -257,6 +257,8 @@ TEST(Levels, MemoryEstimateOfExtremeSurfaces) {
     };
     std::vector<Case> cases = {{"walls", walled_ring(1000, Strips::fans)},
                                {"rings", flat_ring(1024, Strips::fans)},
+                               {"ladders on walls", walled_ring(1000, Strips::ladder)},
+                               {"ladders on rings", flat_ring(1024, Strips::ladder)},
                                {"wheels", wheels(4000, 8)},
                                {"raised wheels", wheels(4000, 8, 0.1)},
                                {"valence 100 000", wheels(100000, 1)},
