@@ -217,19 +217,46 @@ TEST(Work, SolveIsLinearInValence) {
     expect_linear("walls", work, 500);
 }
 
-TEST(Work, CutLoopsAreLinearInValence) {
-    const auto work = [](size_t n) {
-        const Extreme extreme{"wheels", wheels(n, 2), {}, {}};
-        hmf_hierarchy* h = nullptr;
-        build(extreme, h);
-        hmf_loop_set* loops = nullptr;
-        const uint64_t found = find_loops(extreme, h, HMF_LOOPS_CUT, loops);
-        EXPECT_NE(loops, nullptr);
-        hmf_free(loops);
-        hmf_hierarchy_destroy(h);
-        return found;
-    };
-    expect_linear("wheels", work, 1000);
+namespace {
+
+uint64_t of_loops(const Extreme& extreme, int32_t kind) {
+    hmf_hierarchy* h = nullptr;
+    build(extreme, h);
+    hmf_loop_set* loops = nullptr;
+    const uint64_t found = find_loops(extreme, h, kind, loops);
+    EXPECT_NE(loops, nullptr);
+    hmf_free(loops);
+    hmf_hierarchy_destroy(h);
+    return found;
 }
+
+} // namespace
+
+TEST(Work, CutLoopsAreLinearInValence) {
+    expect_linear(
+        "wheels",
+        [](size_t n) {
+            return of_loops({"wheels", wheels(n, 2), {}, {}}, HMF_LOOPS_CUT);
+        },
+        1000);
+}
+
+namespace {
+
+// On a plate with n holes, whose handles have the same size.
+void expect_linear_in_genus(int32_t kind, size_t n) {
+    expect_linear(
+        "plate",
+        [kind](size_t holes) {
+            return of_loops({"plate", plate(holes), {}, {}}, kind);
+        },
+        n);
+}
+
+} // namespace
+
+TEST(Work, CutLoopsAreLinearInGenus) { expect_linear_in_genus(HMF_LOOPS_CUT, 50); }
+TEST(Work, TunnelLoopsAreLinearInGenus) { expect_linear_in_genus(HMF_LOOPS_TUNNEL, 100); }
+TEST(Work, PantsAreLinearInGenus) { expect_linear_in_genus(HMF_LOOPS_PANTS, 25); }
 
 } // namespace test_work

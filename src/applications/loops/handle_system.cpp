@@ -170,10 +170,14 @@ private:
                     return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j,
                                       "Loops and dual loops do not fit. Please report this.");
             }
+        if (!call_.tick(0, true)) return call_.stopped();
         // g on both sides of a surface that does not meet itself.
         Echelon rows;
         if (!rows.allocate(n, call_.memory)) return call_.out_of_memory();
-        for (size_t i = 0; i < n; ++i) rows.add([&](size_t j) { return V(i, j); });
+        for (size_t i = 0; i < n; ++i) {
+            if (!call_.work(n * (1 + rows.rank()))) return call_.stopped();
+            rows.add([&](size_t j) { return V(i, j); });
+        }
         if (rows.rank() != g) return not_embedded();
         // (J^-1 V) = (-T^-T V_b ; T^-1 V_a), by substitution.
         if (!condition_.allocate(call_.memory, n * n)) return call_.out_of_memory();
@@ -182,6 +186,7 @@ private:
             for (size_t j = 0; factor && j < n; ++j) row(i)[j] -= factor * row(from)[j];
         };
         for (size_t i = 0; i < g; ++i) { // T^T X = -V_b
+            if (!call_.work(16 * n)) return call_.stopped();
             for (size_t j = 0; j < n; ++j) row(i)[j] = uint64_t{0} - V(g + i, j);
             for (size_t k = 0; k < i; ++k) subtract(k, T(k, i), i);
             for (size_t j = 0; j < n; ++j) row(i)[j] *= T(i, i);
@@ -203,6 +208,7 @@ private:
         Echelon rows;
         if (!gates_.start(call_.memory) || !rows.allocate(n, call_.memory)) return call_.out_of_memory();
         for (size_t k = n; k-- > 0;) {
+            if (!call_.work(n * (1 + rows.rank()))) return call_.stopped();
             if (rows.rank() < g && rows.add([&](size_t j) { return condition_[n * k + j]; })) continue;
             if (!gates_.add(k < g ? a : b, k < g ? k : k - g)) return call_.out_of_memory();
         }
@@ -220,6 +226,7 @@ private:
         for (size_t k = 0; k < n; ++k) {
             uint64_t factor = 0;
             assert(g > 0);
+            if (!call_.work(n)) return call_.stopped();
             for (size_t j = 0; j < n; ++j) factor += condition_[n * k + j] * random[j];
             const Loops& loops = k < g ? a : b;
             add_left_path(mesh_, loops.loop(k % g), loops.length(k % g), factor, label_.data());
@@ -247,7 +254,7 @@ private:
         }
         Array<uint64_t> sum; // per column
         for (size_t c = 0; c < g; ++c) {
-            if (!sum.allocate_filled(call_.memory, n, uint64_t{0})) return call_.out_of_memory();
+            if (!sum.allocate_filled(call_.memory, n, uint64_t{0}) || !call_.work(4 * n)) return call_.stopped();
             for (size_t k = 0; k < n; ++k)
                 for (size_t j = 0; number[n * c + k] && j < n; ++j) sum[j] += number[n * c + k] * condition_[n * k + j];
             for (const uint64_t x : sum)

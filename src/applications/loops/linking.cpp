@@ -5,7 +5,9 @@
 //    up to 2^12: all loops are polygons with integer corners.
 //  - The view is along a direction with two random factors of 12 bits.  What
 //    is degenerate in it (three points on a line, a triangle seen from its
-//    side) makes another direction necessary.
+//    side) makes another direction necessary, in which vertices are moved
+//    by up to 4 units: on a lattice with many loops some points lie on
+//    lines in each direction.
 //  - Orientation tests are evaluated in double with an error bound, and in
 //    256 bits where that does not decide.
 //  - lk is the sum of the signs of the crossings where the first loop is on
@@ -21,6 +23,7 @@
 #include "../../core/curves/disjoint.hpp"
 #include "../../core/base/cyclic.hpp"
 #include "../../core/base/heap_sort.hpp"
+#include "../../core/base/random_word.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +33,6 @@ namespace hmf {
 namespace {
 
 constexpr int POSITION_BITS = 32, EDGE_BITS = 12, VIEW_BITS = 12, VIEWS = 12;
-constexpr size_t LINKING_STRIDE = 64; // segments between two reports
 
 // Sum of products of integers, in two's complement.
 class Wide {
@@ -133,8 +135,7 @@ public:
     hmf_status run(const Loops& a, const Loops& b, SeifertForm& out) {
         const size_t g = a.count(), n = 2 * g;
         out.size = n;
-        if (!round_positions() || !out.linking.allocate(call_.memory, n * n)
-            || !out.intersection.allocate(call_.memory, n * n))
+        if (!out.linking.allocate(call_.memory, n * n) || !out.intersection.allocate(call_.memory, n * n))
             return call_.out_of_memory();
         const Loops* const given[2] = {&a, &b};
         for (int s = 0; s < 2; ++s)
@@ -142,6 +143,7 @@ public:
         uint64_t seed = 1;
         for (int view = 0; view < VIEWS; ++view) {
             if (!call_.tick(0, true)) return call_.was_cancelled();
+            if (!round_positions(view > 0)) return call_.out_of_memory();
             for (int64_t& factor : view_) {
                 seed = seed * 6364136223846793005u + 1442695040888963407u;
                 factor = static_cast<int64_t>(seed >> (64 - VIEW_BITS)) - (int64_t{1} << (VIEW_BITS - 1));
@@ -156,8 +158,9 @@ public:
     }
 
 private:
-    Done round_positions() {
+    Done round_positions(bool moved) {
         double low[3], high[3], size = 0;
+        uint64_t moves = 0;
         for (size_t c = 0; c < 3; ++c) {
             low[c] = high[c] = position_[c];
             for (size_t v = 1; v < mesh_.vertex_count; ++v) {
@@ -173,6 +176,7 @@ private:
         for (size_t i = 0; i < rounded_.size(); ++i) {
             const double x = std::ldexp(position_[i] - (low[i % 3] / 2 + high[i % 3] / 2), POSITION_BITS - exponent);
             rounded_[i] = static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
+            if (moved) rounded_[i] += static_cast<int64_t>(random_word(moves) >> 61) - 4;
         }
         return true;
     }
@@ -241,7 +245,7 @@ private:
                 }
                 directed.low = std::min(segment.from.x, segment.to.x);
                 directed.high = std::max(segment.from.x, segment.to.x);
-                if (!segments.push(directed)) return false;
+                if (!segments.push(directed) || !call_.work(64)) return false;
                 segment.from = segment.to;
             }
         }
@@ -282,11 +286,11 @@ private:
         for (const Segment& b : t) widest = std::max(widest, b.high - b.low);
         size_t begin = 0;
         for (size_t k = 0; k < s.size(); ++k) {
-            if (k % LINKING_STRIDE == 0 && !call_.tick(0, true)) return false;
             const Segment& a = s[k];
             while (begin < t.size() && t[begin].low < a.low - widest) ++begin;
             for (size_t i = begin; i < t.size() && t[i].low <= a.high; ++i) {
                 const Segment& b = t[i];
+                if (!call_.work(4)) return false;
                 if (b.high < a.low) continue;
                 if (std::max(b.from.y, b.to.y) < std::min(a.from.y, a.to.y)
                     || std::max(a.from.y, a.to.y) < std::min(b.from.y, b.to.y))
@@ -325,11 +329,13 @@ private:
         for (int s = 0; s < 2; ++s)
             if (!draw(s, false, loops[s], usable) || !draw(s, true, parallels[s], usable)) return false;
         if (!usable) return true;
+        if (!call_.tick(0, true)) return false;
         for (size_t i = 0; i < n * n; ++i) out.linking[i] = out.intersection[i] = 0;
+        if (!call_.tick(0, true)) return false;
         for (size_t s = 0; s < 2; ++s) {
             Tables tables;
-            if (!tables.allocate(call_.memory, g * g)) return false;
-            if (!count_crossings(loops[s], parallels[s], g, tables, usable)) return false;
+            if (!tables.allocate(call_.memory, g * g) || !call_.tick(0, true)) return false;
+            if (!count_crossings(loops[s], parallels[s], g, tables, usable) || !call_.tick(0, true)) return false;
             for (size_t i = 0; i < g * g && usable; ++i) {
                 usable = tables.top[i] == tables.below[i] && tables.local_front[i] == 0 && tables.local_back[i] == 0;
                 out.linking[n * (s * g + i / g) + s * g + i % g] = tables.top[i];
@@ -337,8 +343,8 @@ private:
             if (!usable) return true;
         }
         Tables tables;
-        if (!tables.allocate(call_.memory, g * g)) return false;
-        if (!count_crossings(loops[0], loops[1], g, tables, usable)) return false;
+        if (!tables.allocate(call_.memory, g * g) || !call_.tick(0, true)) return false;
+        if (!count_crossings(loops[0], loops[1], g, tables, usable) || !call_.tick(0, true)) return false;
         for (size_t i = 0; i < g && usable; ++i)
             for (size_t j = 0; j < g; ++j) {
                 const size_t at = g * i + j;
@@ -351,7 +357,7 @@ private:
                 out.intersection[n * i + g + j] = front - back;
                 out.intersection[n * (g + j) + i] = back - front;
             }
-        return true;
+        return call_.tick(0, true);
     }
 
     const Mesh& mesh_;
