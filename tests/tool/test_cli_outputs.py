@@ -317,7 +317,9 @@ class Outputs(Case):
     def test_quads_of_cut_loops(self):
         """The arms of a star are too narrow for quads of even loops: then quads of cut loops are made, the same as those one asks for."""
         star = self.write("star.obj", obj_text(*star_of(7, .3)))
-        self.assertIn("these are of --loops cut", self.run_tool("quads", star, self.path("q.obj"), "--count", "130").stderr)
+        said = self.run_tool("quads", star, self.path("q.obj"), "--count", "130").stderr
+        self.assertIn("these are of --loops cut", said)
+        self.assertEqual(said.count(": cut into"), 2)  # one solve for each loops: what was compared is written
         self.assertEqual(self.run_tool("quads", star, self.path("c.obj"), "--count", "130", "--loops", "cut").stderr.count("--loops cut"), 0)
         self.assertEqual(self.read("q.obj"), self.read("c.obj"))
         self.assertNotIn("these are of --loops cut", self.run_tool("quads", self.mesh, self.path("q.obj"), "--count", "130").stderr)
