@@ -692,7 +692,7 @@ typedef struct hmf_quad_mesh {
  * With boundary (level 0) boundary vertices lie on the boundary of the surface: rows end there
  * where leaves run along it, columns where leaves meet it.  Zeros of the boundary are vertices,
  * and a marked vertex with one prong is a corner, so a rectangle becomes a grid.  With `relax`
- * each corner of the boundary of more than 45 degrees gets a vertex, and the other vertices
+ * each corner of the boundary of more than 40 degrees gets a vertex, and the other vertices
  * slide along the boundary.  Triangles at the boundary that no leaf crosses may be left out.
  *
  * If relaxed quads are inverted or do not follow the surface, smaller ones are tried, up to

@@ -101,8 +101,8 @@ TEST(QuadsOverPoles, NumberIsKnownBefore) {
             const hmf::CriticalGraph& graph = leaves.cylinders.graph;
             const double* const position = leaves.state.hierarchy->levels[0].position;
             const hmf::QuadInput in{f, position, leaves.cylinders, graph, nullptr, hmf::Conjugate(f, position)};
-            hmf::FlatMetric metric;
-            ASSERT_EQ(hmf::flat_metric(f, position, leaves.cylinders, metric, call), HMF_OK);
+            double area = 0;
+            ASSERT_EQ(hmf::flat_area(in, area, call), HMF_OK);
             std::vector<int> prongs(graph.zeros.size(), 0);
             for (const hmf::Sector& s : graph.sectors) ++prongs[s.zero];
             for (const int count : prongs) ++(count == 1 ? poles : plain);
@@ -113,11 +113,11 @@ TEST(QuadsOverPoles, NumberIsKnownBefore) {
                 hmf::Array<double> length;
                 hmf::QuadSizes sizes;
                 hmf::QuadWish wish;
-                wish.step = std::sqrt(metric.flat_area / number);
+                wish.number = number;
                 ASSERT_TRUE(grid.allocate(in, memory) && points.measure(length));
                 const double ring = graph.zeros.empty() ? points.length(0) : 0;
                 ASSERT_EQ(sizes.start(leaves.cylinders, length, ring, wish.merge, call), HMF_OK);
-                ASSERT_EQ(sizes.of_step(wish.step, call), HMF_OK);
+                ASSERT_EQ(sizes.of_step(std::sqrt(area / number), call), HMF_OK);
                 ASSERT_EQ(hmf::make_quads(f, position, leaves.cylinders, nullptr, wish, quads, call), HMF_OK);
                 EXPECT_EQ(sizes.quad_count(), static_cast<int64_t>(quads.quad_count()))
                     << genus << " " << marks << " " << number;

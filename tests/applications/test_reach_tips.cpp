@@ -68,7 +68,7 @@ private:
 bool reaches(double height) {
     Spike spike(height);
     spike.reach();
-    const bool there = spike.held() == hmf::AT_SHARP_CORNER;
+    const bool there = spike.held() == hmf::AT_TIP;
     EXPECT_EQ(spike.height() == height, there);
     return there;
 }

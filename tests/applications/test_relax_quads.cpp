@@ -134,7 +134,7 @@ TEST(ReachTips, ACornerIsTaken) {
     const hmf::SurfaceSearch surface = search_of(made.mesh(), made.positions.data(), memory);
     ASSERT_EQ(hmf::reach_tips(made.mesh(), made.positions.data(), surface, quads, moved, call), HMF_OK);
     EXPECT_EQ(moved, 1u);
-    EXPECT_EQ(quads.held[0], hmf::AT_SHARP_CORNER);
+    EXPECT_EQ(quads.held[0], hmf::AT_TIP);
     EXPECT_EQ(square_of(at(quads, 0)), 0);
 }
 
@@ -146,11 +146,10 @@ TEST(CornerEnergy, SlopesAreThoseOfTheValue) {
                 for (const double c : {-0.7, 0.2}) {
                     const hmf::CornerEnergy e = hmf::corner_energy(s, a, c, eps);
                     const auto slope = [&](double ds, double da, double dc) {
-                        return (hmf::corner_value(s + H * ds, a + H * da, c + H * dc, eps)
-                                - hmf::corner_value(s - H * ds, a - H * da, c - H * dc, eps))
+                        return (hmf::corner_energy(s + H * ds, a + H * da, c + H * dc, eps).value
+                                - hmf::corner_energy(s - H * ds, a - H * da, c - H * dc, eps).value)
                              / (2 * H);
                     };
-                    EXPECT_DOUBLE_EQ(e.value, hmf::corner_value(s, a, c, eps));
                     const double tolerance = 1e-5 * (1 + e.value * e.value);
                     EXPECT_NEAR(e.by_s, slope(1, 0, 0), tolerance);
                     EXPECT_NEAR(e.by_a + e.by_c * e.cot_a, slope(0, 1, 0), tolerance);
@@ -160,7 +159,7 @@ TEST(CornerEnergy, SlopesAreThoseOfTheValue) {
 
 // The least of all corners is a square of the area wished.
 TEST(CornerEnergy, ASquareIsLeast) {
-    const double least = hmf::corner_value(1, 1, 0, 0);
+    const double least = hmf::corner_energy(1, 1, 0, 0).value;
     EXPECT_DOUBLE_EQ(least, 1 + hmf::SIZE);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> any(-2, 2);
@@ -168,7 +167,8 @@ TEST(CornerEnergy, ASquareIsLeast) {
         const double e[2] = {any(random), any(random)}, b[2] = {any(random), any(random)};
         const double a = e[0] * b[1] - e[1] * b[0], c = e[0] * b[0] + e[1] * b[1];
         if (a > 0)
-            EXPECT_GE(hmf::corner_value(0.5 * (e[0] * e[0] + e[1] * e[1] + b[0] * b[0] + b[1] * b[1]), a, c, 0), least);
+            EXPECT_GE(hmf::corner_energy(0.5 * (e[0] * e[0] + e[1] * e[1] + b[0] * b[0] + b[1] * b[1]), a, c, 0).value,
+                      least);
     }
 }
 
@@ -317,7 +317,7 @@ TEST(QuadShape, AQuadUnderThePlateIsFolded) {
             const hmf::Point p{x + c[0] * half, y + c[1] * half, z};
             EXPECT_TRUE(quads.add_vertex(p, 0, 0) && quads.quads.push(quads.vertex_count() - 1));
         }
-        return !(hmf::worst_corner_from_outside(surface, quads, 0) > 0);
+        return !(hmf::worst_corner(quads, 0, &surface) > 0);
     };
     EXPECT_FALSE(is_folded(high));
     EXPECT_FALSE(is_folded(0.6 * high + 0.4 * low));
@@ -326,37 +326,50 @@ TEST(QuadShape, AQuadUnderThePlateIsFolded) {
     EXPECT_TRUE(is_folded(low));
 }
 
+namespace {
+
 // A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square.
-TEST(OptimizeQuads, PatchFaceDownIsTurned) {
-    constexpr uint32_t N = 32, LOW = 14, HIGH = 17;
-    test::MadeMesh made(
-        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
-    const Mesh mesh = made.mesh();
-    const double* const position = made.positions.data();
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-    hmf::Call call(memory, nullptr, nullptr, nullptr);
+class PatchFaceDown : public ::testing::Test {
+protected:
+    static constexpr uint32_t N = 32, LOW = 14, HIGH = 17;
+
+    PatchFaceDown() :
+        made(test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}}),
+        mesh(made.mesh()), position(made.positions.data()), memory(nullptr, nullptr, nullptr, 0),
+        call(memory, nullptr, nullptr, nullptr), surface(search_of(mesh, position, memory)) {
+        quads.start(memory);
+        const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
+        bool room = true;
+        for (uint32_t i = 0; i <= N; ++i)
+            for (uint32_t j = 0; j <= N; ++j) {
+                const bool patch = i >= LOW && i <= HIGH && j >= LOW && j <= HIGH;
+                const bool rim = i == 0 || j == 0 || i == N || j == N;
+                const hmf::Point p{double(patch ? LOW + HIGH - i : i), double(j), 0};
+                room = room && quads.add_vertex(p, side, rim);
+            }
+        for (uint32_t i = 0; i < N; ++i)
+            for (uint32_t j = 0; j < N; ++j) {
+                const uint32_t a = i * (N + 1) + j, b = a + N + 1;
+                room = room && quads.add_quad(a, b, b + 1, a + 1);
+            }
+        EXPECT_TRUE(room);
+    }
+
+    test::MadeMesh made;
+    Mesh mesh;
+    const double* position;
+    hmf::Memory memory;
+    hmf::Call call;
+    hmf::SurfaceSearch surface;
     hmf::QuadMesh quads;
-    quads.start(memory);
-    const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
-    bool room = true;
-    for (uint32_t i = 0; i <= N; ++i)
-        for (uint32_t j = 0; j <= N; ++j) {
-            const bool patch = i >= LOW && i <= HIGH && j >= LOW && j <= HIGH;
-            const bool rim = i == 0 || j == 0 || i == N || j == N;
-            room = room && quads.positions.push(patch ? LOW + HIGH - i : i) && quads.positions.push(j)
-                && quads.positions.push(0) && quads.sides.push(side) && quads.held.push(rim);
-        }
-    for (uint32_t i = 0; i < N; ++i)
-        for (uint32_t j = 0; j < N; ++j)
-            for (const uint32_t v :
-                 {i * (N + 1) + j, (i + 1) * (N + 1) + j, (i + 1) * (N + 1) + j + 1, i * (N + 1) + j + 1})
-                room = room && quads.quads.push(v);
-    ASSERT_TRUE(room);
-    const hmf::SurfaceSearch surface = search_of(mesh, position, memory);
+};
+
+} // namespace
+
+TEST_F(PatchFaceDown, IsTurned) {
     const auto inwards = [&] {
         size_t count = 0;
-        for (size_t q = 0; q < quads.quad_count(); ++q)
-            count += !(hmf::worst_corner_from_outside(surface, quads, q) > 0);
+        for (size_t q = 0; q < quads.quad_count(); ++q) count += !(hmf::worst_corner(quads, q, &surface) > 0);
         return count;
     };
     const size_t before = inwards();
@@ -372,6 +385,31 @@ TEST(OptimizeQuads, PatchFaceDownIsTurned) {
     EXPECT_NEAR(figures.area, N * N, 1e-9);
     EXPECT_NEAR(figures.distance, std::sqrt(40.0 * 40 + 48 * 48), 1e-9); // of the corner of the surface
     EXPECT_EQ(quads.positions[0], 0);                                    // what is held stays
+}
+
+// The optimizer remembers which quads are folded: what it knows after each stage is what a new one finds.
+TEST_F(PatchFaceDown, FoldedQuadsAreKnown) {
+    hmf::QuadOptimizer optimizer(mesh, position, surface, quads, call);
+    ASSERT_EQ(optimizer.start(), HMF_OK);
+    const auto expect_known = [&](const char* stage, bool any) {
+        hmf::QuadOptimizer other(mesh, position, surface, quads, call);
+        ASSERT_EQ(other.start(), HMF_OK);
+        size_t folded = 0;
+        for (size_t q = 0; q < quads.quad_count(); ++q) {
+            EXPECT_EQ(optimizer.is_folded(q), other.is_folded(q)) << stage << ": " << q;
+            folded += other.is_folded(q);
+        }
+        EXPECT_EQ(folded > 0, any) << stage;
+    };
+    expect_known("start", true);
+    ASSERT_EQ(optimizer.shape(3), HMF_OK); // some of the patch turns over: steps that fold no more quads are allowed
+    expect_known("shape", true);
+    ASSERT_EQ(optimizer.untangle(), HMF_OK);
+    expect_known("untangle", false);
+    const uint32_t v = N / 2 * (N + 1) + N / 2;
+    quads.put(v, at(quads, v) + hmf::Point{3, 0, 0}, quads.sides[v]);
+    optimizer.look_again();
+    expect_known("moved from outside", true);
 }
 
 namespace {

@@ -2,7 +2,7 @@
 // lengths along that:
 //
 //     places    p_0 < p_1 < ... < p_0 + L of the vertices, L the length of the loop
-//     corners   where the boundary turns by more than 45 degrees from half a side of the quads before to half a side
+//     corners   where the boundary turns by more than 40 degrees from half a side of the quads before to half a side
 //               behind, and most
 //     takers    pairs of a corner and a vertex, the cheapest first, as long as they come in the same order
 //     the rest  between two takers by the linear map of their places
@@ -32,11 +32,10 @@ public:
         corners_.start(memory);
         pairs_.start(memory);
         Array<uint8_t> seen;
-        if (!stars_.build(quads_, memory) || !next_.allocate_filled(memory, n, NONE)
+        if (!stars_.build(quads_, memory) || !stars_.follow_boundary(quads_, next_, memory)
             || !seen.allocate_filled(memory, n, uint8_t{0})
             || !number_.allocate_filled(memory, 2 * size_t{mesh_.edge_count}, NONE))
             return call_.out_of_memory();
-        find_outer_sides();
         for (uint32_t v = 0; v < n; ++v) {
             if (seen[v] || next_[v] == NONE) continue;
             if (!call_.tick(0)) return call_.was_cancelled();
@@ -55,20 +54,12 @@ private:
     struct Corner {
         double at;  // along the boundary
         size_t rim; // the number of the edge that begins there
-        int quads;  // that fit there: 1, or 3 where it is reentrant
+        bool is_convex;
     };
     struct Pair {
         double cost;
         uint32_t corner, vertex; // numbers in corners_ and loop_
     };
-
-    void find_outer_sides() {
-        for (size_t i = 0; i < quads_.quads.size(); ++i) {
-            const uint32_t a = quads_.quads[i], b = quads_.quads[i / 4 * 4 + (i + 1) % 4];
-            if (is_at_boundary(quads_.held[a]) && is_at_boundary(quads_.held[b]) && stars_.is_outer(quads_, a, b))
-                next_[a] = b;
-        }
-    }
 
     Done place_loop() {
         if (!list_rim()) return true;
@@ -192,12 +183,12 @@ private:
             turn[k] = size > 0 ? dot(a, b) / size : 1;
         }
         for (size_t k = 0; k < rim_.size(); ++k) {
-            if (!(turn[k] < TURNS) || !is_sharpest(k, turn, reach_at(k))) continue;
+            if (!(turn[k] < SHARP) || !is_sharpest(k, turn, reach_at(k))) continue;
             Point a, b;
             ways(k, a, b);
             // Seen along the normal of the triangle there.
             const bool convex = dot(cross(a, b), normal_at(mesh_, position_, rim_[k])) > 0;
-            if (!corners_.push({start_[k], k, convex ? 1 : 3})) return false;
+            if (!corners_.push({start_[k], k, convex})) return false;
         }
         return true;
     }
@@ -205,18 +196,13 @@ private:
     // Of those within reach; of two alike the first.
     bool is_sharpest(size_t k, const Array<double>& turn, double reach) const {
         const size_t n = rim_.size();
-        for (size_t i = 1; i < n; ++i) {
-            const size_t j = (k + i) % n;
-            const double off = start_[j] - start_[k];
-            if ((off < 0 ? off + length_ : off) > reach) break;
-            if (turn[j] < turn[k]) return false;
-        }
-        for (size_t i = 1; i < n; ++i) {
-            const size_t j = (k + n - i) % n;
-            const double off = start_[k] - start_[j];
-            if ((off < 0 ? off + length_ : off) > reach) break;
-            if (turn[j] <= turn[k]) return false;
-        }
+        for (const bool ahead : {true, false})
+            for (size_t i = 1; i < n; ++i) {
+                const size_t j = (ahead ? k + i : k + n - i) % n;
+                const double off = ahead ? start_[j] - start_[k] : start_[k] - start_[j];
+                if ((off < 0 ? off + length_ : off) > reach) break;
+                if (ahead ? turn[j] < turn[k] : turn[j] <= turn[k]) return false;
+            }
         return true;
     }
 
@@ -231,11 +217,9 @@ private:
             for (int k = -reach; k <= reach + 1; ++k) {
                 const uint32_t i = (before + n + static_cast<uint32_t>(k)) % n;
                 const double off = k - part;
-                const int quads = static_cast<int>(stars_.end(loop_[i]) - stars_.begin(loop_[i]));
-                const bool fits = quads == 1 && corners_[c].quads == 1;
+                const bool fits = corners_[c].is_convex && stars_.end(loop_[i]) - stars_.begin(loop_[i]) == 1;
                 if (std::fabs(off) > (fits ? REACH : 1)) continue;
-                const double other = std::min(quads, 4) - corners_[c].quads;
-                if (!pairs_.push({off * off + OTHER * other * other - (fits ? REACH * REACH : 0), c, i})) return false;
+                if (!pairs_.push({off * off - (fits ? REACH * REACH : 0), c, i})) return false;
             }
         }
         heap_sort(pairs_.data(), pairs_.size(), [](const Pair& a, const Pair& b) {

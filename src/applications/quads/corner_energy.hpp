@@ -29,12 +29,6 @@ inline double corner_barrier(double a, double eps) {
     return a > 0 ? 0.5 * (a + root) : 0.5 * eps * eps / (root - a);
 }
 
-inline double corner_value(double s, double a, double c, double eps) {
-    const double per = 1 / corner_barrier(a, eps), cot = c * per;
-    const double f = (s + 0.5 * SIZE * (a * a + 1)) * per + ANGLE * cot * cot;
-    return f;
-}
-
 inline CornerEnergy corner_energy(double s, double a, double c, double eps) {
     const double barrier = corner_barrier(a, eps), per = 1 / barrier, bend = 1 / std::sqrt(eps * eps + a * a),
                  cot = c * per;

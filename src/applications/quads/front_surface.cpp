@@ -28,7 +28,7 @@ void FrontSurface::bring_forward(const double* position, QuadMesh& quads) const 
         const Point p = at(quads, v);
         const uint32_t rim = rim_at(position, quads.sides[v], p);
         if (rim != NONE) quads.sides[v] = rim;
-        if (rim == NONE || is_marked(position, rim, p)) quads.held[v] = AT_CORNER;
+        else quads.held[v] = AT_CORNER;
     }
 }
 
@@ -50,14 +50,6 @@ uint32_t FrontSurface::rim_at(const double* position, uint32_t side, const Point
         if (!(least > NEAR * NEAR * dot(edge, edge))) return best;
     }
     return rim_near(mesh_, position, side, p);
-}
-
-// Whether p is a marked vertex at an end of the boundary edge.
-bool FrontSurface::is_marked(const double* position, uint32_t rim, const Point& p) const {
-    for (const uint32_t v : {mesh_.origin[rim], mesh_.target(rim)}) {
-        if (mesh_.is_marked(v) && !(square_of(point(position, v) - p) > 0)) return true;
-    }
-    return false;
 }
 
 } // namespace hmf

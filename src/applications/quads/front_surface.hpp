@@ -13,13 +13,12 @@ public:
     // Triangles behind have the number NONE.
     const Mesh& mesh() const { return mesh_; }
 
-    // Vertices of the quads that were found behind lie in front from then on, those of the boundary on its edges; a
-    // marked one stays where it is, and so does one of which it is not known on which edge it lies.
+    // Vertices of the quads that were found behind lie in front from then on, those of the boundary on its edges; one
+    // stays where it is if it is not known on which edge it lies.
     void bring_forward(const double* position, QuadMesh& quads) const;
 
 private:
     uint32_t rim_at(const double* position, uint32_t side, const Point& p) const;
-    bool is_marked(const double* position, uint32_t rim, const Point& p) const;
 
     const Reflection* reflection_ = nullptr;
     Array<uint32_t> face_;

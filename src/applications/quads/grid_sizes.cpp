@@ -5,17 +5,17 @@
 
 namespace hmf {
 
-void GridSizes::take(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish) {
+void GridSizes::take(const QuadInput& in, const QuadSizes& sizes, double step, double number) {
     ring = in.front ? 2 * sizes.ring : sizes.ring;
     for (size_t a = 0; a < columns.size(); ++a)
         columns[a] = sizes.columns[a] + (in.front ? sizes.columns[in.front->arc_mirror[a]] : 0);
     for (uint32_t c = 0; c < rows.size(); ++c)
         rows[c] = sizes.rows[c] + (in.front ? sizes.rows[in.front->cylinder_mirror[c]] : 0);
-    if (in.front) tune_rows(in, sizes, wish);
+    if (in.front) tune_rows(in, sizes, step, number);
 }
 
 // As many rows in front as requested, and at least those of the sizes.
-void GridSizes::tune_rows(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish) {
+void GridSizes::tune_rows(const QuadInput& in, const QuadSizes& sizes, double step, double number) {
     const auto part = [&](uint32_t c) {
         return in.is_annulus() && in.part_of(c) == Part::front ? Part::ring : in.part_of(c);
     };
@@ -23,7 +23,6 @@ void GridSizes::tune_rows(const QuadInput& in, const QuadSizes& sizes, const Qua
         const int64_t n = columns_across(in.cylinders, columns, ring, c);
         return part(c) == Part::back ? 0 : part(c) == Part::front ? 2 * n : n;
     };
-    double step = wish.step;
     for (int round = 0; round < 8; ++round) {
         double sum = 0;
         for (uint32_t c = 0; c < rows.size(); ++c) {
@@ -32,8 +31,8 @@ void GridSizes::tune_rows(const QuadInput& in, const QuadSizes& sizes, const Qua
             rows[c] = std::max(sizes.rows[c] * (by > 1 ? 2 : 1), static_cast<int64_t>(n));
             sum += 0.5 * static_cast<double>(quads(c)) * static_cast<double>(rows[c]);
         }
-        if (wish.count <= 0) return;
-        const double off = sum / static_cast<double>(wish.count);
+        if (!(number > 0)) return;
+        const double off = sum / number;
         if (off > 0.995 && off < 1.005) return;
         step *= off > 4 ? 4 : off < 0.25 ? 0.25 : off;
     }

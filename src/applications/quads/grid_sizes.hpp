@@ -16,10 +16,11 @@ public:
     Done allocate(const QuadInput& in, Memory& memory) {
         return columns.allocate(memory, in.graph.arcs.size()) && rows.allocate(memory, in.cylinders.list.size());
     }
-    void take(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish);
+    // step: length of an edge in the flat metric; number: of quads, 0 if that follows from the step.
+    void take(const QuadInput& in, const QuadSizes& sizes, double step, double number);
 
 private:
-    void tune_rows(const QuadInput& in, const QuadSizes& sizes, const QuadWish& wish);
+    void tune_rows(const QuadInput& in, const QuadSizes& sizes, double step, double number);
 };
 
 } // namespace hmf

@@ -1,10 +1,9 @@
 // Vertex by vertex goes down in the sum of the energies of the corners of its quads (corner_energy.hpp), each by a step
 // of Newton's method in the plane that touches the surface, put back on the surface and shortened until the sum is less
 // and no corner that was not folded is.  Lengths are those in space and only areas are seen along the normal of the
-// surface, so that a quad across a ridge stays a square.  To the sum belong
+// surface, so that a quad across a ridge stays a square.  To the sum belongs
 //
 //     - growth |area| / mean area         quads cover as much as they can: vertices go to ridges, not beside them
-//     + sag (arc^2 - chord^2) / mean area     of sides on the boundary: none cuts off a piece of it
 #include "optimize_quads.hpp"
 
 #include <algorithm>
@@ -21,9 +20,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t SLICE = 256;    // vertices between ticks
-constexpr uint8_t UNKNOWN = 2;     // whether a quad is folded
-constexpr int MOST_RIM_EDGES = 64; // between two neighbors on the boundary
+constexpr uint32_t SLICE = 256; // vertices between ticks
+constexpr uint8_t UNKNOWN = 2;  // whether a quad is folded
 
 // The corners of a quad from v on.
 struct Around {
@@ -42,29 +40,14 @@ struct Around {
     Point diagonals() const { return cross(p[2] - p[0], p[3] - p[1]); } // twice the area
 };
 
-// From one vertex on the boundary to the next one; 0: that is not known.
-double arc(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t from, uint32_t to) {
-    const uint32_t end = quads.sides[to];
-    uint32_t h = quads.sides[from];
-    if (h == end) return length_of(at(quads, to) - at(quads, from));
-    double sum = length_of(point(position, mesh.target(h)) - at(quads, from));
-    for (int k = 0; k < MOST_RIM_EDGES; ++k) {
-        h = next_on_rim(mesh, h);
-        const Point origin = point(position, mesh.origin[h]);
-        if (h == end) return sum + length_of(at(quads, to) - origin);
-        sum += length_of(point(position, mesh.target(h)) - origin);
-    }
-    return 0;
-}
-
 } // namespace
 
 hmf_status QuadOptimizer::start() {
     const uint32_t n = quads_.vertex_count();
     Memory& memory = call_.memory;
     if (!stars_.build(quads_, memory) || !normals_.build(mesh_, position_, memory) || !normal_.allocate(memory, n)
-        || !awake_.allocate(memory, n) || !target_.allocate(memory, quads_.quad_count()) || !weight_.allocate(memory, n)
-        || !find_boundary())
+        || !awake_.allocate(memory, n) || !target_.allocate(memory, quads_.quad_count())
+        || !weight_.allocate(memory, n))
         return call_.out_of_memory();
     size_t most = 0;
     for (uint32_t v = 0; v < n; ++v) most = std::max(most, static_cast<size_t>(stars_.end(v) - stars_.begin(v)));
@@ -81,21 +64,6 @@ void QuadOptimizer::look_again() {
         awake_[v] = 1;
     }
     for (uint8_t& f : folded_) f = UNKNOWN;
-}
-
-// Sides with one quad are those of the boundary.
-Done QuadOptimizer::find_boundary() {
-    const uint32_t n = quads_.vertex_count();
-    if (!ahead_.allocate_filled(call_.memory, n, NONE) || !behind_.allocate_filled(call_.memory, n, NONE)) return false;
-    for (size_t i = 0; i < quads_.quads.size(); ++i) {
-        const uint32_t a = quads_.quads[i], b = quads_.quads[i / 4 * 4 + (i + 1) % 4];
-        if (!is_at_boundary(quads_.held[a]) || !is_at_boundary(quads_.held[b]) || !stars_.is_outer(quads_, a, b))
-            continue;
-        if (!is_on_rim(mesh_, quads_.sides[a]) || !is_on_rim(mesh_, quads_.sides[b])) continue;
-        ahead_[a] = b;
-        behind_[b] = a;
-    }
-    return true;
 }
 
 // The target areas: the areas of the quads, smoothed over neighbors, to the power 3/4 relative to the mean of all.
@@ -147,41 +115,19 @@ Point QuadOptimizer::normal_of(const uint32_t* corner, double* bend) const {
     return of_length_one(sum);
 }
 
-// areas: of each corner around v, relative to the target area.
-double QuadOptimizer::energy(uint32_t v, double* areas) const {
-    double sum = 0;
-    for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) {
-        const Around quad(quads_, *q, v);
-        const Point n = normal_of(quad.corner);
-        const double per_area = 1 / target_[*q];
-        for (size_t k = 0; k < 4; ++k, ++areas) {
-            const Point e = quad.p[(k + 1) % 4] - quad.p[k], b = quad.p[(k + 3) % 4] - quad.p[k];
-            *areas = dot(cross(e, b), n) * per_area;
-            sum += corner_value(0.5 * per_area * (dot(e, e) + dot(b, b)), *areas, per_area * dot(e, b), eps_);
-        }
-        if (growth_ > 0) {
-            const Point d = quad.diagonals();
-            const double area = 0.5 * length_of(d);
-            sum -= growth_ * weight_[v] / mean_ * (dot(d, n) > 0 ? area : -area);
-        }
-    }
-    return sag_ > 0 && ahead_[v] != NONE ? sum + boundary_energy(v, nullptr, nullptr) : sum;
-}
-
-QuadOptimizer::Slopes QuadOptimizer::slopes(uint32_t v, const Axes& axes, double* areas) const {
+// Without axes only the energy.  areas: of each corner around v, relative to the target area.
+QuadOptimizer::Slopes QuadOptimizer::slopes(uint32_t v, const Axes* axes, double* areas) const {
     Slopes sum;
-    const auto add = [&](double s, double a, double cosine, const Point& by_s, const Point& by_a, const Point& by_c,
+    const auto add = [&](const CornerEnergy& c, const Point& by_s, const Point& by_a, const Point& by_c,
                          double per_area, double moving) {
-        const CornerEnergy c = corner_energy(s, a, cosine, eps_);
         double f[2], t[2], sx[2], ax[2];
         for (int k = 0; k < 2; ++k) {
-            const Point& axis = k == 0 ? axes.first : axes.second;
+            const Point& axis = k == 0 ? axes->first : axes->second;
             sx[k] = per_area * dot(by_s, axis);
             ax[k] = per_area * dot(by_a, axis);
             t[k] = c.cot_c * per_area * dot(by_c, axis) + c.cot_a * ax[k];
             f[k] = c.by_s * sx[k] + c.by_a * ax[k] + c.by_c * t[k];
         }
-        sum.energy += c.value;
         for (int k = 0; k < 2; ++k) sum.g[k] += f[k];
         for (int k = 0; k < 3; ++k) {
             const int i = k == 2, j = k > 0;
@@ -195,43 +141,25 @@ QuadOptimizer::Slopes QuadOptimizer::slopes(uint32_t v, const Axes& axes, double
         const double per_area = 1 / target_[*q];
         for (size_t k = 0; k < 4; ++k, ++areas) {
             const Point e = quad.p[(k + 1) % 4] - quad.p[k], b = quad.p[(k + 3) % 4] - quad.p[k];
-            const double s = 0.5 * per_area * (dot(e, e) + dot(b, b)), a = per_area * dot(cross(e, b), n),
-                         c = per_area * dot(e, b);
-            *areas = a;
-            if (k == 2) sum.energy += corner_value(s, a, c, eps_);
-            else if (k == 0) add(s, a, c, -1 * (e + b), cross(n, b - e), -1 * (e + b), per_area, 2);
-            else if (k == 1) add(s, a, c, b, cross(n, e), e, per_area, 1);
-            else add(s, a, c, e, cross(b, n), b, per_area, 1);
+            *areas = per_area * dot(cross(e, b), n);
+            const CornerEnergy c =
+                corner_energy(0.5 * per_area * (dot(e, e) + dot(b, b)), *areas, per_area * dot(e, b), eps_);
+            sum.energy += c.value;
+            if (!axes || k == 2) continue;
+            if (k == 0) add(c, -1 * (e + b), cross(n, b - e), -1 * (e + b), per_area, 2);
+            else if (k == 1) add(c, b, cross(n, e), e, per_area, 1);
+            else add(c, e, cross(b, n), b, per_area, 1);
         }
-        if (growth_ > 0) {
-            const Point d = quad.diagonals(), across = quad.p[3] - quad.p[1];
-            const double length = std::sqrt(dot(d, d)),
-                         weight = growth_ * weight_[v] / mean_ * (dot(d, n) > 0 ? 0.5 : -0.5);
-            const Point slope = (length > 0 ? weight / length : 0) * cross(across, d);
-            sum.energy -= weight * length;
-            sum.g[0] += dot(slope, axes.first);
-            sum.g[1] += dot(slope, axes.second);
-        }
+        if (!(growth_ > 0)) continue;
+        const Point d = quad.diagonals();
+        const double length = length_of(d), weight = growth_ * weight_[v] / mean_ * (dot(d, n) > 0 ? 0.5 : -0.5);
+        sum.energy -= weight * length;
+        if (!axes || !(length > 0)) continue;
+        const Point slope = (weight / length) * cross(quad.p[3] - quad.p[1], d);
+        sum.g[0] += dot(slope, axes->first);
+        sum.g[1] += dot(slope, axes->second);
     }
-    if (sag_ > 0 && ahead_[v] != NONE) sum.energy += boundary_energy(v, &axes, &sum);
     return sum;
-}
-
-double QuadOptimizer::boundary_energy(uint32_t v, const Axes* axes, Slopes* sum) const {
-    double energy = 0;
-    const double weight = sag_ / mean_;
-    for (const bool is_ahead : {true, false}) {
-        const uint32_t w = is_ahead ? ahead_[v] : behind_[v];
-        if (w == NONE) continue;
-        const double along = is_ahead ? arc(mesh_, position_, quads_, v, w) : arc(mesh_, position_, quads_, w, v);
-        const Point chord = at(quads_, w) - at(quads_, v);
-        if (!(along > 0)) continue;
-        energy += weight * (along * along - dot(chord, chord));
-        if (!sum) continue;
-        sum->g[0] += 2 * weight * (dot(chord, axes->first) + (is_ahead ? -along : along));
-        sum->h[0] += weight;
-    }
-    return energy;
 }
 
 // On a line the first axis lies along it; else any two.
@@ -261,7 +189,7 @@ double QuadOptimizer::side_of(uint32_t v) const {
 // Whether v, and what is near it, has something to do after this.
 bool QuadOptimizer::move(uint32_t v) {
     const Axes axes = axes_at(v);
-    const Slopes s = slopes(v, axes, before_.data());
+    const Slopes s = slopes(v, &axes, before_.data());
     double step[2] = {0, 0};
     const double trace = s.h[0] + s.h[2];
     const bool slides = can_slide(quads_.held[v]);
@@ -320,8 +248,7 @@ bool QuadOptimizer::try_step(uint32_t v, const Axes& axes, const double* step, d
     if (quads_.held[v] == 0 && dot(jump, jump) > dot(off, off)) return false;
     quads_.put(v, there, side);
     normal_[v] = normals_.at(side, there);
-    const double now = energy(v, after_.data());
-    if (!(now < before)) return false;
+    if (!(slopes(v, nullptr, after_.data()).energy < before)) return false;
     const size_t count = 4 * static_cast<size_t>(stars_.end(v) - stars_.begin(v));
     for (size_t k = 0; barrier_ && k < count; ++k)
         if (!(after_[k] > 0) && !(after_[k] >= before_[k])) return false;
@@ -349,7 +276,6 @@ Done QuadOptimizer::sweep(bool forward, double& moved) {
 hmf_status QuadOptimizer::shape(int sweeps) {
     eps_ = EPS;
     growth_ = GROWTH;
-    sag_ = SAG;
     barrier_ = true;
     region_.clear();
     if (!set_targets()) return call_.stopped();
@@ -366,7 +292,7 @@ bool QuadOptimizer::find_folded(size_t q) const {
     const Point n = quad.diagonals();
     bool agrees = true;
     for (const uint32_t v : quad.corner) agrees = agrees && dot(normal_[v], n) > 0;
-    return !((agrees ? worst_corner(quads_, q) : worst_corner_from_outside(surface_, quads_, q)) > 0);
+    return !(worst_corner(quads_, q, agrees ? nullptr : &surface_) > 0);
 }
 
 bool QuadOptimizer::is_folded(size_t q) {
@@ -420,7 +346,8 @@ Done QuadOptimizer::mark_region(int rings, bool lets_go) {
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
             uint8_t& held = quads_.held[v];
             if (!region_[v] || !held) continue;
-            held = is_at_boundary(held) ? (ahead_[v] != NONE ? AT_BOUNDARY : held) : uint8_t{0};
+            if (!is_at_boundary(held)) held = 0;
+            else if (is_on_rim(mesh_, quads_.sides[v])) held = AT_BOUNDARY;
         }
     }
     return true;
@@ -445,7 +372,7 @@ hmf_status QuadOptimizer::untangle_round(int round) {
 }
 
 hmf_status QuadOptimizer::untangle(int first_round) {
-    growth_ = sag_ = 0;
+    growth_ = 0;
     barrier_ = false;
     if (!set_targets()) return call_.stopped();
     uint64_t least = 0, now = 0;

@@ -24,6 +24,9 @@ public:
     // Vertices were moved from outside, or are held otherwise.
     void look_again();
 
+    // As it is counted (quad_figures.hpp); remembered until a vertex of the quad moves.
+    bool is_folded(size_t q);
+
 private:
     struct Slopes { // of the energy, by two directions along the surface
         double energy = 0, g[2] = {0, 0}, h[3] = {0, 0, 0};
@@ -33,20 +36,16 @@ private:
     };
 
     Point normal_of(const uint32_t* corner, double* bend = nullptr) const;
-    double energy(uint32_t v, double* areas) const;
-    Slopes slopes(uint32_t v, const Axes& axes, double* areas) const;
+    Slopes slopes(uint32_t v, const Axes* axes, double* areas) const;
     Axes axes_at(uint32_t v) const;
-    double boundary_energy(uint32_t v, const Axes* axes, Slopes* sum) const;
     double side_of(uint32_t v) const;
     bool move(uint32_t v);
     bool folds_no_more(uint32_t v);
     bool try_step(uint32_t v, const Axes& axes, const double* step, double before);
     Done sweep(bool forward, double& moved);
     Done set_targets();
-    Done find_boundary();
     double least_area() const;
     Done count_folded(size_t& count);
-    bool is_folded(size_t q);
     bool find_folded(size_t q) const;
     Done mark_region(int rings, bool lets_go);
     [[nodiscard]] hmf_status untangle_round(int round);
@@ -60,16 +59,15 @@ private:
     Call& call_;
     SurfaceNormals normals_;
     QuadStars stars_;
-    Array<Point> normal_;            // of the surface, at each vertex
-    Array<double> target_, weight_;  // of each quad: area wished, weight of its growth
-    Array<uint32_t> ahead_, behind_; // vertices of the boundary: neighbors on it; NONE
-    Array<uint8_t> awake_;           // per vertex: it, or what is near it, has moved since its last step
-    Array<uint8_t> region_;          // per vertex: may move; empty: all may
-    Array<double> before_, after_;   // areas of corners around one vertex
-    Array<uint8_t> folded_;          // per quad: 0, 1, or not known since a vertex of it moved
-    Array<uint8_t> around_;          // likewise, of the quads around one vertex after a step
-    double mean_ = 0;                // area of the quads
-    double eps_ = 0, growth_ = 0, sag_ = 0;
+    Array<Point> normal_;           // of the surface, at each vertex
+    Array<double> target_, weight_; // of each quad: area wished, weight of its growth
+    Array<uint8_t> awake_;          // per vertex: it, or what is near it, has moved since its last step
+    Array<uint8_t> region_;         // per vertex: may move; empty: all may
+    Array<double> before_, after_;  // areas of corners around one vertex
+    Array<uint8_t> folded_;         // per quad: 0, 1, or not known since a vertex of it moved
+    Array<uint8_t> around_;         // likewise, of the quads around one vertex after a step
+    double mean_ = 0;               // area of the quads
+    double eps_ = 0, growth_ = 0;
     bool barrier_ = true;
 };
 

@@ -30,7 +30,7 @@ Done count_inverted(const SurfaceSearch& surface, const QuadMesh& quads, uint64_
     inverted = 0;
     for (size_t q = 0; q < quads.quad_count(); ++q) {
         if (!call.work(256, 0, false)) return false; // a search of the tree of triangles
-        inverted += !(worst_corner_from_outside(surface, quads, q) > 0);
+        inverted += !(worst_corner(quads, q, &surface) > 0);
     }
     return true;
 }

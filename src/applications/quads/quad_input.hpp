@@ -24,6 +24,9 @@ struct QuadInput {
     Point place_of(const Crossing& c) const;
 };
 
+// Of all cylinders in the flat metric, each as long as the leaf in its middle; squared units of f.
+[[nodiscard]] hmf_status flat_area(const QuadInput& in, double& area, Call& call);
+
 // A line along leaves of a double that may run on the boundary of the surface.
 class BoundaryRuler : public Ruler {
 public:

@@ -20,6 +20,8 @@
 #include "cylinder_rows.hpp"
 #include "quad_poles.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
 namespace {
@@ -42,15 +44,31 @@ hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
 
 // For a double, with twice the step: the sum of both halves has the requested size.
 hmf_status find_sizes(const QuadInput& in, const GraphPoints& points, const Array<double>& length, const QuadWish& wish,
-                      QuadSizes& sizes, Call& call) {
+                      double step, QuadSizes& sizes, Call& call) {
     const double ring_length = in.graph.zeros.empty() ? points.length(0) : 0;
+    if (!(step > 0) || !std::isfinite(step))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
     if (sizes.start(in.cylinders, length, ring_length, wish.merge, call)) return call.status();
-    const double step = in.front ? 2 * wish.step : wish.step;
-    const int64_t count = in.front && wish.count > 0 ? wish.count / 2 + 1 : wish.count;
-    return count > 0 ? sizes.of_count(step, count, call) : sizes.of_step(step, call);
+    if (in.front) step *= 2;
+    if (!wish.exact) return sizes.of_step(step, call);
+    const int64_t count = static_cast<int64_t>(std::floor(wish.number + 0.5));
+    return sizes.of_count(step, in.front ? count / 2 + 1 : count, call);
 }
 
 } // namespace
+
+hmf_status flat_area(const QuadInput& in, double& area, Call& call) {
+    Curves middle;
+    area = 0;
+    if (middle_leaves(in.f, in.cylinders, nullptr, middle, call)) return call.status();
+    for (size_t c = 0; c < in.cylinders.list.size(); ++c) {
+        double v = 0;
+        for (uint64_t i = middle.offsets[c]; i < middle.offsets[c + 1]; ++i)
+            v += in.conjugate.step(middle.crossings[i]);
+        area += v * static_cast<double>(in.cylinders.list[c].height);
+    }
+    return HMF_OK;
+}
 
 hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, const FrontParts* front,
                       const QuadWish& wish, QuadMesh& out, Call& call) {
@@ -63,33 +81,21 @@ hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cyl
     if (refuse_wide_zeros(in.graph, call)) return call.status();
     if (!grid.allocate(in, call.memory) || !points.measure(length)) return call.out_of_memory();
     if (!call.tick(0)) return call.was_cancelled();
-    if (find_sizes(in, points, length, wish, sizes, call)) return call.status();
+    double area = 0;
+    if (flat_area(in, area, call)) return call.status();
+    const double step = std::sqrt(area * (front ? 0.5 : 1) / wish.number);
+    if (find_sizes(in, points, length, wish, step, sizes, call)) return call.status();
     const bool has_poles = f.mesh.marked_count > 0 && !wish.keep_poles;
     size_t left = 1; // poles that keep their vertex: two too near to each other, or to a boundary
     for (int tries = 0; tries < (has_poles && wish.merge ? 2 : 1) && left > 0; ++tries) {
         if (tries > 0 && sizes.widen_at_poles(call)) return call.status();
-        grid.take(in, sizes, wish);
+        grid.take(in, sizes, step, wish.exact ? wish.number : 0);
         out.start(call.memory);
         if (!points.place()) return call.out_of_memory();
         for (uint32_t c = 0; c < cylinders.list.size(); ++c)
             if (rows.fill(c)) return call.status();
         if (has_poles && !quads_over_poles(out, left, call)) return call.stopped();
     }
-    return HMF_OK;
-}
-
-hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,
-                       Call& call) {
-    const Conjugate conjugate(f, position);
-    out = {};
-    Curves middle;
-    if (middle_leaves(f, cylinders, nullptr, middle, call)) return call.status();
-    for (size_t c = 0; c < cylinders.list.size(); ++c) {
-        double v = 0;
-        for (uint64_t i = middle.offsets[c]; i < middle.offsets[c + 1]; ++i) v += conjugate.step(middle.crossings[i]);
-        out.flat_area += v * static_cast<double>(cylinders.list[c].height);
-    }
-    out.area = surface_area(f.mesh, position, call.parallel);
     return HMF_OK;
 }
 

@@ -9,9 +9,8 @@
 namespace hmf {
 
 // A vertex at the tip of a limb, or on the way to it, where it stays; one of the boundary of the surface, which slides
-// along it; one that slides along a sharp edge; and those at a corner of the boundary, or where sharp edges meet, which
-// stay.
-constexpr uint8_t AT_TIP = 1, AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4, AT_SHARP_CORNER = 5, ON_WAY_TO_TIP = 6;
+// along it; one that slides along a sharp edge; and one at a corner of the boundary, which stays.
+constexpr uint8_t AT_TIP = 1, AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4, ON_WAY_TO_TIP = 5;
 inline bool is_at_boundary(uint8_t held) { return held == AT_BOUNDARY || held == AT_CORNER; }
 inline bool can_slide(uint8_t held) { return held == AT_BOUNDARY || held == ON_CREASE; }
 
@@ -51,8 +50,8 @@ struct QuadMesh {
 };
 
 struct QuadWish {
-    double step = 0;         // length of an edge in the flat metric, in units of f
-    int64_t count = 0;       // > 0: how many quads instead; the step is where the search begins
+    double number = 0;       // how many quads
+    bool exact = false;      // that many; else edges have the length in the flat metric that would make them
     bool merge = false;      // critical leaves shorter than half an edge get no column
     bool keep_poles = false; // poles stay vertices with two edges
 };
@@ -63,12 +62,5 @@ struct QuadWish {
                                     const FrontParts* front, const QuadWish& wish, QuadMesh& out, Call& call);
 
 inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.positions.data(), v); }
-
-// Areas of the surface, in space and in the flat metric (squared units of f).
-struct FlatMetric {
-    double area = 0, flat_area = 0;
-};
-[[nodiscard]] hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders,
-                                     FlatMetric& out, Call& call);
 
 } // namespace hmf

@@ -7,7 +7,6 @@ namespace hmf {
 constexpr double SIZE = 0.1, ANGLE = 0.75; // weights of the area, and of the angle, beside the shape
 constexpr double GROWTH = 2;               // weight of what quads cover
 constexpr double RIDGE = 10;               // more growth where the normals at the corners of a quad differ
-constexpr double SAG = 4;                  // weight of what sides at the boundary cut off
 constexpr double EPS = 1e-3;               // of the barrier: an area
 constexpr int EVEN = 20;                   // rounds in which the areas wished are evened out
 
@@ -22,18 +21,17 @@ constexpr double SOFT = 0.2;   // eps, in the area of the worst corner, while al
 constexpr double HARDER = 0.6; // eps, in that of the sweep before, in the other rounds
 
 // Tips, sharp edges and corners.
-constexpr double SHARP = 0.766; // cosine of 40 degrees, between the faces of an edge
-constexpr double ALONG = 0.85;  // cosine of 32 degrees, between a sharp edge and a side that runs along it
+// Cosine of 40 degrees, between the faces of a sharp edge, between two edges of the boundary at a corner, and between a
+// sharp edge and a side that runs along it.
+constexpr double SHARP = 0.766;
 constexpr double TAKEN_FROM =
     0.5; // how far from a sharp edge a vertex goes to it, and from how far on tips are reached
 constexpr double LEAST_TAKEN = 0.3; // sine around a vertex that goes to one of them, and that stays at a tip
 constexpr int ROUNDS = 5;           // of reaching for them
 
 // Corners of the boundary (boundary_places.cpp).
-constexpr double TURNS = 0.707; // cosine of 45 degrees, by which the boundary turns at a corner
 constexpr int REACH = 3;        // how far a vertex of one quad goes to a corner; others go one side
 constexpr double SPREAD = 0.05; // part of even places in all places, that no two are the same
-constexpr double OTHER = 0.5;   // cost, in squared sides, of a quad too many or too few at a corner
 
 // What is folded and what is refused (quad_shape.cpp, sized_quads.cpp).
 constexpr double LEEWAY = 0.02;        // in diagonals: on a sheet thinner than this a quad may lie on either side

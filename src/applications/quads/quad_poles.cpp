@@ -1,6 +1,8 @@
 // Vertices with two quads; see quad_poles.hpp.
 #include "quad_poles.hpp"
 
+#include "quad_shape.hpp"
+
 #include <algorithm>
 
 namespace hmf {
@@ -13,65 +15,35 @@ public:
 
     // left: poles that stay.
     Done run(size_t& left) {
-        const uint32_t n = mesh_.vertex_count();
-        left = 0;
-        poles_.start(call_.memory);
-        if (!uses_.allocate_filled(call_.memory, n, 0u) || !number_.allocate_filled(call_.memory, n, NONE))
-            return false;
-        for (const uint32_t v : mesh_.quads) ++uses_[v];
-        if (!list_poles()) return false;
-        if (poles_.empty()) return true;
         // Once for the poles, once for what they leave.
-        for (int round = 0; round < 2; ++round) {
-            if (!call_.tick(0) || !find_pairs()) return false;
-            for (size_t i = 0; i < poles_.size(); ++i) join_pair(poles_[i], pairs_[i], round == 0);
-            if (!list_poles()) return false;
+        for (const bool moves_tip : {true, false}) {
+            const uint32_t n = mesh_.vertex_count();
+            if (!call_.tick(0) || !stars_.build(mesh_, call_.memory) || !uses_.allocate_filled(call_.memory, n, 0u)
+                || !number_.allocate(call_.memory, n))
+                return false;
+            for (const uint32_t v : mesh_.quads) ++uses_[v];
+            for (uint32_t v = 0; v < n; ++v)
+                if (stars_.end(v) - stars_.begin(v) == 2 && !is_at_boundary(mesh_.held[v])) join_pair(v, moves_tip);
+            left = 0;
+            for (uint32_t v = 0; v < n; ++v) left += uses_[v] == 2 && !is_at_boundary(mesh_.held[v]);
+            drop_unused();
         }
-        left = poles_.size();
-        drop_unused();
         return true;
     }
 
 private:
-    // The two quads of a pole, and its place in them.
-    struct Pair {
-        uint32_t quad[2] = {NONE, NONE};
-        size_t at[2] = {0, 0};
-    };
-
-    Done list_poles() {
-        poles_.clear();
-        for (uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
-            number_[v] = NONE;
-            if (uses_[v] != 2 || is_at_boundary(mesh_.held[v])) continue;
-            number_[v] = static_cast<uint32_t>(poles_.size());
-            if (!poles_.push(v)) return false;
-        }
-        return true;
-    }
-
-    // By a search through all quads.
-    Done find_pairs() {
-        if (!pairs_.allocate_filled(call_.memory, poles_.size(), Pair{})) return false;
-        for (uint32_t q = 0; q < mesh_.quad_count(); ++q)
-            for (size_t k = 0; k < 4; ++k) {
-                const uint32_t v = mesh_.quads[4 * size_t{q} + k];
-                if (v == NONE || number_[v] == NONE) continue;
-                Pair& pair = pairs_[number_[v]];
-                const size_t i = pair.quad[0] == NONE ? 0 : 1;
-                pair.quad[i] = q;
-                pair.at[i] = k;
-            }
-        return true;
+    size_t place_in(const uint32_t* quad, uint32_t v) const {
+        size_t k = 0;
+        while (k < 4 && quad[k] != v) ++k;
+        return k;
     }
 
     // One quad in place of two, unless one of these has gone or a vertex beside the pole had too few left.
-    void join_pair(uint32_t v, const Pair& pair, bool moves_tip) {
-        if (pair.quad[1] == NONE) return;
-        uint32_t *const other = &mesh_.quads[4 * size_t{pair.quad[0]}], *const quad =
-                                                                            &mesh_.quads[4 * size_t{pair.quad[1]}];
-        const size_t at = pair.at[0], k = pair.at[1];
-        if (other[at] != v || quad[k] != v) return;
+    void join_pair(uint32_t v, bool moves_tip) {
+        uint32_t *const other = &mesh_.quads[4 * size_t{stars_.begin(v)[0]}],
+                        *const quad = &mesh_.quads[4 * size_t{stars_.begin(v)[1]}];
+        const size_t at = place_in(other, v), k = place_in(quad, v);
+        if (at == 4 || k == 4) return;
         // From v: b, x, a in the other one, a, y, b here.
         const uint32_t b = other[(at + 1) % 4], a = quad[(k + 1) % 4], y = quad[(k + 2) % 4];
         if (quad[(k + 3) % 4] != b || other[(at + 3) % 4] != a || other[(at + 2) % 4] == y) return;
@@ -87,7 +59,7 @@ private:
         mesh_.held[on_arc] = AT_TIP;
     }
 
-    void copy_vertex(uint32_t from, uint32_t to) { mesh_.put(to, at(mesh_, from), mesh_.sides[from]); }
+    void copy_vertex(uint32_t from, uint32_t to) { mesh_.put(to, hmf::at(mesh_, from), mesh_.sides[from]); }
 
     // Vertices and quads that are left, numbered without gaps.
     void drop_unused() {
@@ -111,10 +83,9 @@ private:
 
     QuadMesh& mesh_;
     Call& call_;
+    QuadStars stars_;
     Array<uint32_t> uses_;   // per vertex: how many quads have it
-    Array<uint32_t> number_; // per vertex: its number among the poles; at the end, among those kept
-    Array<uint32_t> poles_;
-    Array<Pair> pairs_; // per pole
+    Array<uint32_t> number_; // per vertex: its number among those kept
 };
 
 } // namespace

@@ -38,25 +38,16 @@ double least_sine(const Point* p, const Point& n) {
     return worst > NO_SINE ? worst : std::min(worst, 0.0);
 }
 
-// Of the diagonals, of length 1; 0 where they are parallel.
-Point normal_of(const Point* p) { return of_length_one(cross(p[2] - p[0], p[3] - p[1])); }
-
 } // namespace
 
-double worst_corner(const QuadMesh& quads, size_t q) {
+double worst_corner(const QuadMesh& quads, size_t q, const SurfaceSearch* surface) {
     Point p[4];
     for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
-    const Point n = normal_of(p);
-    return dot(n, n) > 0 ? least_sine(p, n) : -1;
-}
-
-double worst_corner_from_outside(const SurfaceSearch& surface, const QuadMesh& quads, size_t q) {
-    Point p[4];
-    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
-    const Point n = normal_of(p), diagonal = p[2] - p[0];
+    const Point n = of_length_one(cross(p[2] - p[0], p[3] - p[1]));
     if (!(dot(n, n) > 0)) return -1;
-    const double room = LEEWAY * length_of(diagonal);
-    return surface.is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, room) ? -1 : least_sine(p, n);
+    const double room = LEEWAY * length_of(p[2] - p[0]);
+    if (surface && surface->is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, room)) return -1;
+    return least_sine(p, n);
 }
 
 Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
@@ -74,6 +65,15 @@ Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
     return true;
 }
 
+Done QuadStars::follow_boundary(const QuadMesh& quads, Array<uint32_t>& next, Memory& memory) const {
+    if (!next.allocate_filled(memory, quads.vertex_count(), NONE)) return false;
+    for (size_t i = 0; i < quads.quads.size(); ++i) {
+        const uint32_t a = quads.quads[i], b = quads.quads[i / 4 * 4 + (i + 1) % 4];
+        if (is_at_boundary(quads.held[a]) && is_at_boundary(quads.held[b]) && is_outer(quads, a, b)) next[a] = b;
+    }
+    return true;
+}
+
 bool QuadStars::is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const {
     for (const uint32_t* q = begin(a); q != end(a); ++q)
         for (size_t k = 0; k < 4; ++k)
@@ -86,7 +86,7 @@ double QuadStars::worst_corner(const SurfaceSearch& surface, QuadMesh& quads, ui
     double worst = 1;
     quads.put(v, p, quads.sides[v]);
     for (const uint32_t* q = begin(v); q != end(v); ++q)
-        worst = std::min(worst, worst_corner_from_outside(surface, quads, *q));
+        worst = std::min(worst, hmf::worst_corner(quads, *q, &surface));
     quads.put(v, from, quads.sides[v]);
     return worst;
 }

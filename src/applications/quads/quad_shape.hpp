@@ -24,10 +24,9 @@ private:
     Array<Point> of_vertex_;
 };
 
-// The least sine of its corners, as seen along its normal (of the diagonals).
-double worst_corner(const QuadMesh& quads, size_t q);
-// Likewise, but at most 0 where it is seen from behind: the surface near its middle looks the other way.
-double worst_corner_from_outside(const SurfaceSearch& surface, const QuadMesh& quads, size_t q);
+// The least sine of its corners, as seen along its normal (of the diagonals).  With `surface` it is at most 0 where the
+// quad is seen from behind: the surface near its middle looks the other way.
+double worst_corner(const QuadMesh& quads, size_t q, const SurfaceSearch* surface = nullptr);
 
 // The quads around each vertex.
 class QuadStars {
@@ -36,13 +35,15 @@ public:
     const uint32_t* begin(uint32_t v) const { return quads_.data() + first_[v]; }
     const uint32_t* end(uint32_t v) const { return quads_.data() + first_[size_t{v} + 1]; }
 
-    // Whether only one quad has the side from a to b.
-    bool is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const;
+    // next: per vertex of the boundary, the one to which a side of only one quad leads; else NONE.
+    Done follow_boundary(const QuadMesh& quads, Array<uint32_t>& next, Memory& memory) const;
 
     // The least of the quads around v, from outside, if v were at p.
     double worst_corner(const SurfaceSearch& surface, QuadMesh& quads, uint32_t v, const Point& p) const;
 
 private:
+    bool is_outer(const QuadMesh& quads, uint32_t a, uint32_t b) const;
+
     Array<uint32_t> first_, quads_;
 };
 

@@ -72,9 +72,7 @@ private:
             if (!there) best = mover(tip, true, near, to);
             if (best == NONE) continue;
             quads_.put(best, to.p, to.side);
-            quads_.held[best] = !there                                        ? ON_WAY_TO_TIP
-                              : is_sharp_corner(mesh_, position_, tip.vertex) ? AT_SHARP_CORNER
-                                                                              : AT_TIP;
+            quads_.held[best] = there ? AT_TIP : ON_WAY_TO_TIP;
             ++moved;
             for (const uint32_t* q = stars_.begin(best); q != stars_.end(best); ++q)
                 for (size_t k = 0; k < 4; ++k) near[quads_.quads[4 * size_t{*q} + k]] = 1;

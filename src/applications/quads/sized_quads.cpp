@@ -1,5 +1,6 @@
 #include "sized_quads.hpp"
 
+#include "../lines/polyline.hpp"
 #include "fit_quads.hpp"
 #include "front_surface.hpp"
 #include "quad_numbers.hpp"
@@ -28,16 +29,15 @@ struct Judged {
     QuadFigures figures;
     double count = 0, area = 0;
 
-    double inverted() const { return static_cast<double>(figures.inverted) / count; }
     // 1 at the limits of what is returned: quads that are larger than what they should follow, or do not reach a part
     // of the surface.
     double badness() const {
-        const double ratio = figures.area / area;
-        return std::max(inverted() / MOST_INVERTED, LEAST_AREA * std::max(ratio, 1 / ratio));
+        const double ratio = figures.area / area, inverted = static_cast<double>(figures.inverted);
+        return std::max(inverted / (MOST_INVERTED * count), LEAST_AREA * std::max(ratio, 1 / ratio));
     }
     bool is_better_than(const Judged& other) const {
         const double mine = std::max(badness(), 1.0), its = std::max(other.badness(), 1.0);
-        return mine != its ? mine < its : inverted() < other.inverted();
+        return mine != its ? mine < its : figures.inverted < other.figures.inverted;
     }
 };
 
@@ -50,8 +50,7 @@ public:
 
     hmf_status run(QuadMesh& out, double& area, QuadFigures& figures) {
         if (wish_.front && !front_.build(f_.mesh, *wish_.reflection, call_.memory)) return call_.out_of_memory();
-        if (flat_metric(f_, position_, cylinders_, metric_, call_)) return call_.status();
-        area = metric_.area * wish_.share;
+        area = area_ = surface_area(f_.mesh, position_, call_.parallel) * wish_.share;
         const double by_default = 0.5 * wish_.share * static_cast<double>(f_.mesh.face_count);
         double number = 0, most = -1;
         if (wished_number(wish_, area, by_default, number, call_)) return call_.status();
@@ -80,13 +79,10 @@ private:
 
     hmf_status make_unfitted(double number, QuadMesh& out) {
         QuadWish first;
-        first.step = std::sqrt(metric_.flat_area * wish_.share / number);
-        first.count = wish_.count > 0 ? static_cast<int64_t>(std::floor(number + 0.5)) : 0;
+        first.number = number;
+        first.exact = wish_.count > 0;
         first.merge = wish_.merge;
         first.keep_poles = wish_.keep_poles;
-        if (!(first.step > 0) || !std::isfinite(first.step))
-            return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                              "edge_length is out of proportion to the surface.");
         if (make_quads(f_, position_, cylinders_, wish_.front, first, out, call_)) return call_.status();
         if (wish_.front) front_.bring_forward(position_, out);
         return HMF_OK;
@@ -97,7 +93,7 @@ private:
         if (make_unfitted(number, out)) return call_.status();
         QuadMesh fitted;
         Judged after;
-        judged.area = after.area = metric_.area * wish_.share;
+        judged.area = after.area = area_;
         judged.count = after.count = static_cast<double>(out.quad_count());
         if (!(wish_.relax > 0)) return quad_figures(mesh(), position_, out, judged.figures, call_);
         if (fit_quads(mesh(), position_, wish_.relax, out, fitted, call_)
@@ -126,7 +122,7 @@ private:
     const SizedQuads& wish_;
     Call& call_;
     FrontSurface front_; // of a double
-    FlatMetric metric_;
+    double area_ = 0;    // of what the caller sees
 };
 
 } // namespace

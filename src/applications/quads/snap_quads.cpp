@@ -101,7 +101,7 @@ private:
     }
     bool runs_along(uint32_t i, const Point& side) const {
         const Point edge = point(position_, mesh_.target(edges_[i])) - point(position_, mesh_.origin[edges_[i]]);
-        return std::fabs(dot(edge, side)) >= ALONG * length_of(edge) * length_of(side);
+        return std::fabs(dot(edge, side)) >= SHARP * length_of(edge) * length_of(side);
     }
 
     Done put(size_t& snapped) {
