@@ -621,9 +621,9 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
  *   HMF_CANCELLED  with such a foliation after HMF_PROGRESS_FINISH, or if stop_level had
  *                  been reached; otherwise *out is NULL
  *   an error of classes 100, 200, 400, with start also 500, without a foliation.
- *                  HMF_ERROR_UNSUPPORTED: loops cross an edge so often (more than
- *                  32 times the largest weight) that a double cannot hold its
- *                  value exactly
+ *                  HMF_ERROR_UNSUPPORTED: loops cross an edge more than 32 times the
+ *                  largest weight, too often for a double; or a vertex (error->index)
+ *                  has more than 50 000 neighbors after the flips to level 0
  * See HMF_METHOD_PAPER for the exceptions of that method.
  *
  * Level 0 is solved on its intrinsic Delaunay triangulation: edges of your mesh are

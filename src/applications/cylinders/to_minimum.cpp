@@ -1,9 +1,12 @@
 #include "to_minimum.hpp"
 
+#include "../../core/hierarchy/caller_numbers.hpp"
+
 namespace hmf {
 
 hmf_status to_minimum(State& state, double& unit, Call& call) {
     constexpr double largest_excess = 1e-2;
+    if (const hmf_status status = refuse_hubs(*state.hierarchy, state.level, call)) return status;
     const double* weight = state.hierarchy->levels[state.level].weight;
     const double before = energy(state.foliation, weight) * unit * unit;
     SolveLog log(false, call, unit);

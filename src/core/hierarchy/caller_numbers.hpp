@@ -24,4 +24,7 @@ Done side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& si
 // caller[internal[i]] = i
 [[nodiscard]] hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
 
+// Refuses a level with a vertex that has more neighbors than can be solved for; before the work starts.
+[[nodiscard]] hmf_status refuse_hubs(const hmf_hierarchy& h, size_t level, Call& call);
+
 } // namespace hmf

@@ -125,15 +125,20 @@ TEST(Extremes, VertexOfTooHighDegree) {
         return hmf_foliation_from_loops(hierarchy.get(), &view, nullptr, out, error);
     });
     hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-8);
-    for (const bool relax : {false, true}) {
+    enum { by_solve, by_relax, by_cylinders, ways };
+    for (int way = 0; way < ways; ++way) {
+        SCOPED_TRACE(way);
         Progress progress;
         const hmf_control control = progress.control();
         hmf_foliation* out = nullptr;
+        hmf_cylinder_set* set = nullptr;
         hmf_error error{};
-        const hmf_status status = relax ? hmf_relax(start.get(), &options, &control, &out, &error)
-                                        : hmf_solve(hierarchy.get(), &view, &options, &control, &out, &error);
+        const hmf_status status = way == by_solve ? hmf_solve(hierarchy.get(), &view, &options, &control, &out, &error)
+                                : way == by_relax ? hmf_relax(start.get(), &options, &control, &out, &error)
+                                                  : hmf_cylinders(start.get(), nullptr, &control, &set, &error);
         EXPECT_EQ(status, HMF_ERROR_UNSUPPORTED);
         EXPECT_EQ(out, nullptr);
+        EXPECT_EQ(set, nullptr);
         EXPECT_EQ(error.element, HMF_ELEMENT_VERTEX);
         EXPECT_EQ(error.index, hub);
         EXPECT_NE(std::string(error.message).find("50001 neighbors"), std::string::npos) << error.message;
