@@ -54,11 +54,8 @@ private:
     struct Strip { // in strips_
         size_t first, size;
     };
-    struct Cycle { // in links_
-        double length;
-        size_t first, size;
-    };
-    struct Option { // a class for a curve
+    using Cycle = LoopSearch::Cycle; // in links_
+    struct Option {                  // a class for a curve
         uint32_t id;
         Strip strip;
         uint32_t hole[2]; // the marked vertex or hole that it goes around, or NONE
@@ -149,34 +146,12 @@ private:
     // than `wanted`. One for each option.
     Done find_cycles(const Component& component, LoopSearch& search, double best, double wanted, Array<Cycle>& cycles) {
         const CutSurface& cut = component.surface;
-        found_.clear();
         cycles.clear();
-        if (!signatures_.build_punctured(cut, component.is_hole, call_) || !search.prepare(signatures_, 1))
+        if (!signatures_.build_punctured(cut, component.is_hole, call_) || !search.prepare(signatures_, 1)
+            || !search.find_cycles(
+                ROOTS, MOVE_APART, wanted, HUGE_VAL, [](uint32_t) { return true; }, [](uint64_t) { return true; }, best,
+                links_, found_))
             return false;
-        uint32_t done = NONE;
-        for (uint32_t s = 0; s < cut.segment_count; ++s) {
-            if (!signatures_.of[s]) continue;
-            const uint32_t r = cut.region[2 * size_t{s}];
-            if (r == done || search.bound(r) >= std::max(ROOTS * best, wanted)
-                || search.nearest_root(r) < MOVE_APART * std::max(best, wanted))
-                continue;
-            done = r;
-            if (!search.search(r, std::max(SLACK * best, wanted), wanted)) return false;
-            for (size_t i = 0; i < search.count(); ++i) {
-                if (!search.strip(i, cycle_)) return false;
-                double total = 0;
-                for (const uint32_t link : cycle_) total += length_[cut.segment_edge[link >> 1]];
-                best = std::min(best, total);
-                if (!(total < std::max(SLACK * best, wanted))) continue;
-                const size_t first = links_.size();
-                for (const uint32_t link : cycle_)
-                    if (!links_.push(link)) return false;
-                if (!found_.push({total, first, cycle_.size()})) return false;
-            }
-        }
-        heap_sort(found_.data(), found_.size(), [](const Cycle& a, const Cycle& b) {
-            return a.length < b.length || (a.length == b.length && a.first < b.first);
-        });
         const size_t begin = options_.size();
         for (const Cycle& c : found_) {
             if (cycles.size() == MOVE_CANDIDATES || c.length > std::max(SLACK * best, wanted)) break;

@@ -12,6 +12,7 @@ Done LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     heap_.start(memory);
     order_.start(memory);
     closings_.start(memory);
+    cycle_.start(memory);
     epoch_ = 0;
     budget_exhausted_ = false;
     size_t places = edge_label_ ? 2 : 0;

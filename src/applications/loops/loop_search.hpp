@@ -16,6 +16,7 @@
 // the surface is cut, so bounds stay.
 #pragma once
 
+#include "../../core/base/heap_sort.hpp"
 #include "../../core/base/nearest_first.hpp"
 #include "find_loops.hpp"
 #include "loop_parameters.hpp"
@@ -41,6 +42,48 @@ public:
     size_t count() const { return closings_.size(); }
     Done strip(size_t i, Array<uint32_t>& found);
     uint64_t signature(size_t i) const { return closings_[i].signature; }
+
+    struct Cycle {
+        double length;
+        size_t first, size; // of its half-segments
+    };
+    // Short cycles through all segments with a signature, shortest first: shorter than `kept`, or at most SLACK times
+    // as long as the best one, whose length becomes `best`, at first that of a known strip.  No search with more than
+    // `allowed` regions settled, from a region that is no root, around which all cycles are longer than roots * best
+    // and kept, or that is near another root: apart * best.  links: their half-segments are appended.
+    template <class IsRoot, class IsWanted>
+    Done find_cycles(double roots, double apart, double kept, double allowed, IsRoot is_root, IsWanted is_wanted,
+                     double& best, Array<uint32_t>& links, Array<Cycle>& cycles) {
+        uint32_t done = NONE;
+        cycles.clear();
+        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+            if (!call_.work(4)) return false;
+            if (!signatures_->of[s]) continue;
+            const uint32_t r = cut_.region[2 * size_t{s}];
+            if (r == done || !is_root(r) || bound(r) >= std::max(roots * best, kept)
+                || nearest_root(r) < apart * std::max(best, kept))
+                continue;
+            if (static_cast<double>(work_) >= allowed) break;
+            done = r;
+            if (!search(r, std::max(SLACK * best, kept), kept)) return false;
+            for (size_t i = 0; i < count(); ++i) {
+                if (!is_wanted(signature(i))) continue;
+                if (!strip(i, cycle_)) return false;
+                double total = 0;
+                for (const uint32_t link : cycle_) total += edge_length_[cut_.segment_edge[link >> 1]];
+                best = std::min(best, total);
+                if (!(total < std::max(SLACK * best, kept))) continue;
+                const size_t first = links.size();
+                for (const uint32_t link : cycle_)
+                    if (!links.push(link)) return false;
+                if (!cycles.push({total, first, cycle_.size()})) return false;
+            }
+        }
+        heap_sort(cycles.data(), cycles.size(), [](const Cycle& a, const Cycle& b) {
+            return a.length < b.length || (a.length == b.length && a.first < b.first);
+        });
+        return true;
+    }
 
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
     // Of the nearest root of a search since prepare: its loops are like those through the region.
@@ -104,6 +147,7 @@ private:
     Array<uint32_t> order_; // states as they were settled
     uint32_t state_count_ = 0, epoch_ = 0;
     Array<Closing> closings_;
+    Array<uint32_t> cycle_;
     bool budget_exhausted_ = false, exhausted_here_ = false;
     uint64_t work_ = 0;
     NearestFirstRounded heap_;

@@ -62,7 +62,6 @@ public:
         strip_.start(memory_);
         strips_.start(memory_);
         cycles_.start(memory_);
-        cycle_.start(memory_);
         mark_word_.start(memory_);
         steps_ = 0;
         for (int round = 0; round < CHOICE_ROUNDS; ++round) {
@@ -152,34 +151,14 @@ private:
         const double roots = sphere ? ROOTS_OF_SPHERE : ROOTS, apart = sphere ? APART_ON_SPHERE : PANTS_APART;
         double best = HUGE_VAL;
         if (!shortest_strip(best)) return false;
-        uint32_t done = NONE;
-        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
-            if (!call_.work(4)) return false;
-            if (!signatures_.of[s]) continue;
-            const uint32_t r = cut_.region[2 * size_t{s}];
-            if (r == done || joins_.holes_around(r) <= 3 || search_.bound(r) >= roots * best
-                || search_.nearest_root(r) < apart * best)
-                continue;
-            if (static_cast<double>(search_.work()) >= allowed_) break;
-            done = r;
-            if (!search_.search(r, SLACK * best)) return false;
-            for (size_t i = 0; i < search_.count(); ++i) {
-                if (marks_only_ && !is_round_pair(search_.signature(i))) continue;
-                if (!search_.strip(i, cycle_)) return false;
-                double total = 0;
-                for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
-                best = std::min(best, total);
-                if (!(total < SLACK * best)) continue;
-                const size_t begin = strips_.size();
-                for (const uint32_t link : cycle_)
-                    if (!strips_.push(cut_.half_edge(link))) return false;
-                if (!cycles_.push({total, begin, cycle_.size()})) return false;
-            }
-        }
+        const size_t first = strips_.size();
+        if (!search_.find_cycles(
+                roots, apart, 0, allowed_, [this](uint32_t region) { return joins_.holes_around(region) > 3; },
+                [this](uint64_t signature) { return !marks_only_ || is_round_pair(signature); }, best, strips_,
+                cycles_))
+            return false;
+        for (size_t i = first; i < strips_.size(); ++i) strips_[i] = cut_.half_edge(strips_[i]);
         search_.read_bounds(face_bound_);
-        heap_sort(cycles_.data(), cycles_.size(), [](const Cycle& a, const Cycle& b) {
-            return a.length < b.length || (a.length == b.length && a.first < b.first);
-        });
         return true;
     }
 
@@ -317,14 +296,9 @@ private:
     Array<uint32_t> strips_, ids_;
     Array<Strip> strip_; // per id
     Array<Choice> choice_;
-    struct Cycle { // in strips_
-        double length;
-        size_t first, size;
-    };
-    Array<Cycle> cycles_;
-    Array<uint32_t> cycle_;
-    double allowed_ = 0;       // regions to be settled in all searches up to the next loop
-    Array<double> face_bound_; // of the cycles through a face, which only get longer as loops are added
+    Array<LoopSearch::Cycle> cycles_; // in strips_
+    double allowed_ = 0;              // regions to be settled in all searches up to the next loop
+    Array<double> face_bound_;        // of the cycles through a face, which only get longer as loops are added
     Signatures signatures_;
     LoopSearch search_;
 };
