@@ -142,11 +142,42 @@ void CylinderRows::points_of_row(double here) {
     for (size_t j = 0; j < place_.size(); ++j) ruler_.point(on_row(place_[j], here) * ruler_.length(), before_[j]);
 }
 
+// The turn of a row, as a part of its length, that brings it nearest to the row before; 0 where it is
+// within a few columns as it is.  Sizes are squared, of some columns.
+double CylinderRows::coarse_turn(double here) const {
+    constexpr size_t samples = 16;
+    constexpr int most_turns = 64;
+    constexpr double near_enough = 9, better_by = 0.25; // squares of columns; of what there is without a turn
+    const size_t n = place_.size();
+    const auto column = [&](size_t i) { return i % samples * n / samples; };
+    const auto misfit = [&](double turn) {
+        double sum = 0;
+        for (size_t i = 0; i < samples; ++i) {
+            Point p;
+            ruler_.point(on_row(place_[column(i)], here - turn) * ruler_.length(), p);
+            sum += square_of(p - before_[column(i)]);
+        }
+        return sum;
+    };
+    double columns = 0;
+    for (size_t i = 0; i < samples; ++i) columns += square_of(before_[column(i)] - before_[(column(i) + 1) % n]);
+    const double now = misfit(0);
+    double least = better_by * now, best = 0;
+    for (int t = 1; t < most_turns && now > near_enough * columns; ++t) {
+        const double turn = static_cast<double>(t) / most_turns, there = misfit(turn);
+        if (there >= least) continue;
+        least = there;
+        best = turn;
+    }
+    return best;
+}
+
 // Where the path meets a row that is turned so that straight columns from the row before meet it at right
 // angles in the mean.
 double CylinderRows::align_row(double here) const {
     const size_t n = place_.size();
     const double round = ruler_.length(), h = 0.25 / static_cast<double>(n);
+    here -= coarse_turn(here); // where the path runs along thin triangles, v along it may be far off
     for (int tries = 0; tries < 3; ++tries) {
         double sum = 0;
         for (size_t j = 0; j < n; ++j) {
