@@ -3,6 +3,7 @@
 // exactly, and the values too.  If the foliation moved in between, it is
 // restricted: again no pole.
 #include "../src/core/foliation/restriction.hpp"
+#include "../tests/support/check_mesh.hpp"
 #include "random_foliation.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -1,6 +1,7 @@
 // Flips inside the flat parts of a surface before leaves are followed: better triangles, the same foliation.
 #include "src/applications/quads/flat_flips.hpp"
 #include "src/applications/quads/quad_shape.hpp"
+#include "support/check_mesh.hpp"
 #include "support/boundary.hpp"
 #include "support/make_mesh.hpp"
 

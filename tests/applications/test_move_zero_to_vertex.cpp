@@ -8,9 +8,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/core/api/foliation_object.hpp"
+#include "src/applications/api/shared_flat.hpp"
 #include "src/applications/parameterize/harmonic_form.hpp"
 #include "src/applications/parameterize/move_zero_to_vertex.hpp"
+#include "support/check_mesh.hpp"
 #include "support/meshes.hpp"
 #include "support/surface.hpp"
 

@@ -22,7 +22,7 @@
 #include <numeric>
 #include <random>
 
-#include "src/core/hierarchy/caller_numbers.hpp"
+#include "src/applications/common/caller_lists.hpp"
 #include "src/core/homotopy/curve_words.hpp"
 #include "src/applications/loops/class_lengths.hpp"
 #include "src/applications/loops/closed_geodesic.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../../src/core/foliation/whitehead.hpp"
+#include "check_mesh.hpp"
 
 namespace test {
 

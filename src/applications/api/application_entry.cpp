@@ -1,8 +1,17 @@
 #include "application_entry.hpp"
 
+#include "../common/boundary_zeros.hpp"
 #include "../quads/flat_flips.hpp"
 
 namespace hmf {
+
+hmf_status refuse_level_of_double(const hmf_foliation& foliation, Call& call) {
+    if (!foliation.hierarchy->is_double() || foliation.level == 0) return HMF_OK;
+    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, foliation.level,
+                     "Level %llu is one of the closed double of the surface. Carry the foliation to level 0 with "
+                     "hmf_interpolate.",
+                     static_cast<unsigned long long>(foliation.level));
+}
 
 hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflection, bool flips) {
     if (load_values(f, f.level, state, call)) return call.status();
@@ -15,8 +24,7 @@ hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflecti
     }
     if (is_double) {
         const Foliation& at = state.foliation;
-        cylinders.graph.on_boundary = reflection->is_boundary.data();
-        cylinders.graph.mirror = reflection->half_edge.data();
+        cylinders.graph.division = division_at_boundary(*reflection);
         for (uint32_t e = 0; e < at.mesh.edge_count; ++e) {
             const bool behind = !reflection->is_front[2 * e] && !reflection->is_front[2 * e + 1];
             uint32_t& widest = cylinders.graph.closed_leaf;

@@ -3,8 +3,10 @@
 
 #include "../../../include/hmf/applications.h"
 
-#include "../../core/hierarchy/caller_numbers.hpp"
-#include "../../core/leaves/cylinders.hpp"
+#include <limits>
+
+#include "../common/caller_lists.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../../core/leaves/double_reflection.hpp"
 #include "shared_flat.hpp"
 
@@ -12,6 +14,11 @@ namespace hmf {
 
 // Default, relative: how far from harmonic a foliation may be to be unfolded.
 constexpr double HARMONIC_TOLERANCE = 1e-2;
+
+// Inside, of a length above 0 that the caller gives: it stays above 0 and finite.
+inline double length_inside(const hmf_hierarchy& h, double length) {
+    return std::min(std::max(length * h.scale, std::numeric_limits<double>::min()), std::numeric_limits<double>::max());
+}
 
 // A call on a foliation without poles.
 class ApplicationEntry : public Entry {
@@ -27,6 +34,9 @@ public:
 private:
     const hmf_foliation* foliation_;
 };
+
+// Of a surface with boundary only level 0 is that surface.
+[[nodiscard]] hmf_status refuse_level_of_double(const hmf_foliation& foliation, Call& call);
 
 // The foliation on the caller's side of its level, with the order in which the
 // caller numbers vertices and faces, and its cylinders.

@@ -53,11 +53,7 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "margin must lie in [0, 1/16]; 0 means 1/512.");
     const hmf_hierarchy& h = *foliation->hierarchy;
     const size_t level = foliation->level;
-    if (h.is_double() && level > 0)
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, level,
-                         "Level %llu is one of the closed double of the surface. Carry the foliation to level 0 with "
-                         "hmf_interpolate.",
-                         static_cast<unsigned long long>(level));
+    if (refuse_level_of_double(*foliation, call)) return call.status();
     const double* position = h.levels[level].position;
     FlatOf flat;
     const auto improve = [&](State& state, double&) { return check_harmonic(state, HARMONIC_TOLERANCE, call); };

@@ -4,7 +4,7 @@
 #include "../../core/mesh/marked_vertices.hpp"
 #include "../../core/mesh/spatial_order.hpp"
 #include "../../core/mesh/validate.hpp"
-#include "../../core/api/mesh_entry.hpp"
+#include "mesh_entry.hpp"
 #include "../../core/api/result.hpp"
 
 using namespace hmf;

@@ -1,9 +1,9 @@
 // applications.h: even design, conformal scale.
 #include "../design/boundary_design.hpp"
 #include "../design/conformal_scale.hpp"
-#include "../../core/hierarchy/caller_numbers.hpp"
+#include "../common/caller_lists.hpp"
 #include "../../core/api/foliation_object.hpp"
-#include "../../core/api/mesh_entry.hpp"
+#include "mesh_entry.hpp"
 #include "../../core/api/result.hpp"
 
 using namespace hmf;

@@ -1,5 +1,5 @@
 // applications.h: the loops that the library makes.
-#include "../../core/hierarchy/caller_numbers.hpp"
+#include "../common/caller_lists.hpp"
 #include "../loops/library_loops.hpp"
 #include "../loops/surface_loops.hpp"
 #include "../../core/api/solve_call.hpp"

@@ -22,12 +22,7 @@ hmf_status read_quad_options(const hmf_quad_options* options, const hmf_foliatio
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "count must be at most %llu, relax at most %llu.",
                          static_cast<unsigned long long>(MOST_QUADS),
                          static_cast<unsigned long long>(MOST_RELAX_STEPS));
-    if (foliation.hierarchy->is_double() && foliation.level > 0)
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, foliation.level,
-                         "Level %llu is one of the closed double of the surface. Carry the foliation to level 0 with "
-                         "hmf_interpolate.",
-                         static_cast<unsigned long long>(foliation.level));
-    return HMF_OK;
+    return refuse_level_of_double(foliation, call);
 }
 
 } // namespace
@@ -50,7 +45,7 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     Foliation& f = leaves.state.foliation;
     if (h.is_double() && front.build(f, reflection, leaves.cylinders, call)) return call.status();
     SizedQuads wish;
-    wish.edge_length = all.edge_length > 0 ? h.length_inside(all.edge_length) : 0;
+    wish.edge_length = all.edge_length > 0 ? length_inside(h, all.edge_length) : 0;
     wish.count = all.count;
     wish.relax = static_cast<int>(all.relax);
     wish.merge = all.merge != 0;

@@ -4,6 +4,12 @@
 
 namespace hmf {
 
+hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call) {
+    double unit = 1;
+    if (load_solved(foliation, state, unit, call)) return call.status();
+    return foliation.solved_bits > 0 ? coarsen_unit(state, static_cast<uint32_t>(foliation.solved_bits), call) : HMF_OK;
+}
+
 namespace {
 
 void free_part(Kept* kept, const hmf_hierarchy& h) {

@@ -7,6 +7,16 @@
 
 namespace hmf {
 
+// A solve left it with residuals of 1e-8 at most: what is measured there needs
+// no further step.
+inline bool is_minimum(const hmf_foliation& foliation) {
+    const double residual = foliation.has_report ? foliation.report.residual_max : 1;
+    return residual >= 0 && residual <= 1e-8;
+}
+
+// Its values where it is solved (load_solved), in the unit of the values: what leaves are followed on.
+[[nodiscard]] hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call);
+
 struct SharedFlat : Kept {
     Memory memory;
     FlatConeMetric flat; // on the caller's side of the level

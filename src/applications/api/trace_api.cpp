@@ -50,7 +50,7 @@ hmf_status read_trace_options(const hmf_trace_options* options, const hmf_hierar
     if (all.spacing == 0 && all.point_count == 0) all.critical = 1;
     if (all.leaves == HMF_LEAVES_CONJUGATE && all.length_limit == 0)
         all.length_limit = 10 * std::sqrt(surface_area(h.levels[level].mesh, h.levels[level].position, call.parallel));
-    else if (all.length_limit > 0) all.length_limit = h.length_inside(all.length_limit);
+    else if (all.length_limit > 0) all.length_limit = length_inside(h, all.length_limit);
     return HMF_OK;
 }
 

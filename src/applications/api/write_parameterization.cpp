@@ -3,7 +3,7 @@
 // from there.
 #include "write_parameterization.hpp"
 
-#include "../../core/base/sort_keys.hpp"
+#include "../common/sort_keys.hpp"
 #include "../../core/hierarchy/caller_numbers.hpp"
 #include "../../core/mesh/weights.hpp"
 #include "../parameterize/seams.hpp"
@@ -121,9 +121,10 @@ public:
     hmf_status triangles() {
         Quantiles quantiles;
         if (!quantiles.allocate(mesh_.face_count, call_.memory)) return call_.out_of_memory();
-        Sums sums;
+        const size_t block = Parallel::pass_block(mesh_.face_count);
+        Sums of_block[Parallel::MOST_PARTS], sums;
         const auto write = [&](size_t begin, size_t end) {
-            Sums part;
+            Sums& part = of_block[begin / block];
             for (size_t f = begin; f < end; ++f) {
                 if (end - f > CORNERS_AHEAD) prefetch_triangle(triangles_.of_face[f + CORNERS_AHEAD]);
                 const CallerTriangles::Of of = triangles_.of_face[f];
@@ -136,9 +137,9 @@ public:
                 part.add(map);
                 triangle(of, map);
             }
-            return part;
         };
-        if (!call_.sum_pass(mesh_.face_count, 0.97, sums, write)) return call_.was_cancelled();
+        if (!call_.pass(mesh_.face_count, 0.97, write)) return call_.was_cancelled();
+        for (size_t k = 0; k * block < mesh_.face_count; ++k) sums += of_block[k];
         to_.flipped_count = sums.flipped;
         to_.degenerate_count = sums.degenerate;
         to_.area = sums.image;

@@ -33,13 +33,6 @@ constexpr int FINE_STEPS = 32, COARSE_STEPS = 12; // places tried: with few part
 
 } // namespace
 
-Box ChartPlan::piece_in_chart(uint32_t p) const {
-    const Motion& m = charts.motion[p];
-    const Box& b = charts.box[p];
-    const double u = static_cast<double>(m.u), v = static_cast<double>(m.v);
-    return m.sign > 0 ? Box{b.u0 + u, b.v0 + v, b.u1 + u, b.v1 + v} : Box{u - b.u1, v - b.v1, u - b.u0, v - b.v0};
-}
-
 // How large a square the parts need, roughly.
 hmf_status ChartPlan::try_packing(uint64_t effort, double& side) {
     const double size = std::sqrt(pieces_.whole), rim = 0.35 * pieces_.triangle;
@@ -62,7 +55,7 @@ hmf_status ChartPlan::try_packing(uint64_t effort, double& side) {
             return call_.out_of_memory();
         for (uint32_t p = 0; p < pieces_.area.size(); ++p) {
             if (charts.of_piece[p] != part.chart) continue;
-            Box b = piece_in_chart(p);
+            Box b = charts.box_in_chart(p);
             b = {std::max(b.u0, part.box.u0), std::max(b.v0, part.box.v0), std::min(b.u1, part.box.u1),
                  std::min(b.v1, part.box.v1)};
             if (b.u0 >= b.u1 || b.v0 >= b.v1) continue;
@@ -86,7 +79,7 @@ hmf_status ChartPlan::whole_charts() {
         if (!parts.push({c, {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, 1})) return call_.out_of_memory();
     for (uint32_t p = 0; p < pieces_.area.size(); ++p) {
         const uint32_t c = charts.of_piece[p];
-        parts[c].box.add(piece_in_chart(p));
+        parts[c].box.add(charts.box_in_chart(p));
         area[c] += pieces_.area[p];
         image[c] += pieces_.image[p];
     }

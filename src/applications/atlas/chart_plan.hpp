@@ -38,7 +38,6 @@ private:
         double where = 0, cost = 0, side = 0;
     };
 
-    Box piece_in_chart(uint32_t piece) const;
     hmf_status try_packing(uint64_t effort, double& side);
     hmf_status try_joins(Array<Join>& joins);
     hmf_status whole_charts();

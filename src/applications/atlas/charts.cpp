@@ -89,15 +89,10 @@ Box Charts::moved(const Box& b, const Motion& m) {
 // The length along which two pieces are joined in this way.
 double Charts::glued(uint32_t p, uint32_t q, const Motion& q_to_p, bool along_v) const {
     if (p > q) return glued(q, p, q_to_p.inverse(), along_v);
-    size_t low = 0, high = contacts_.size();
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (contacts_[middle].p < p || (contacts_[middle].p == p && contacts_[middle].q < q)) low = middle + 1;
-        else high = middle;
-    }
-    for (; low < contacts_.size() && contacts_[low].p == p && contacts_[low].q == q; ++low)
-        if (contacts_[low].motion == q_to_p)
-            return std::fabs(static_cast<double>(along_v ? contacts_[low].v : contacts_[low].u));
+    const Contact* at = std::partition_point(contacts_.begin(), contacts_.end(),
+                                             [=](const Contact& c) { return c.p < p || (c.p == p && c.q < q); });
+    for (; at != contacts_.end() && at->p == p && at->q == q; ++at)
+        if (at->motion == q_to_p) return std::fabs(static_cast<double>(along_v ? at->v : at->u));
     return 0;
 }
 

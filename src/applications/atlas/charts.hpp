@@ -43,6 +43,9 @@ public:
                                    Call& call);
     [[nodiscard]] hmf_status join(const JoinWish& wish, Call& call);
 
+    Box box_in_chart(uint32_t piece, const Motion& m) const { return moved(box[piece], m); }
+    Box box_in_chart(uint32_t piece) const { return box_in_chart(piece, motion[piece]); }
+
 private:
     // All sides of triangles where two pieces meet in the same way: motion leads from q to p.
     struct Contact {
@@ -63,7 +66,6 @@ private:
     void keep_worthwhile(const JoinWish& wish, double whole);
     void merge(const Candidate& c);
     Done number_charts(Call& call);
-    Box box_in_chart(uint32_t piece, const Motion& m) const { return moved(box[piece], m); }
     static Box moved(const Box& b, const Motion& m);
     double glued(uint32_t p, uint32_t q, const Motion& q_to_p, bool along_v) const;
     double covered(const Candidate& c, const Box& slot) const;

@@ -6,7 +6,7 @@
 #include "strips.hpp"
 
 #include "../../core/base/heap_sort.hpp"
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -49,7 +49,6 @@ hmf_status match_by_classes(const GivenCylinders& given, const WeightedLoops* lo
     }
     if (level == 0 && (classes.to_intrinsic(call) || classes.name(measured, at_minimum, call))) return call.status();
     if (at_minimum.count() != n) return wrong_class(call);
-    if (!measured.find_vertices(solved.foliation, call)) return call.stopped();
     if (!found.allocate(call.memory, n)) return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) {
         found[c] = own.find(c, at_minimum);

@@ -6,7 +6,7 @@
 
 #include "../../../include/hmf/applications.h"
 #include "../../core/curves/loops.hpp"
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../../core/solve/state.hpp"
 
 namespace hmf {

@@ -12,7 +12,7 @@
 // (core/leaves/cylinders.hpp).
 #include "cylinder_measures.hpp"
 
-#include "../../core/hierarchy/caller_numbers.hpp"
+#include "../common/caller_lists.hpp"
 
 #include <algorithm>
 #include <cmath>

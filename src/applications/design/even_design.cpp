@@ -10,6 +10,7 @@
 #include "even_design.hpp"
 
 #include "suggest_marks.hpp"
+#include "../common/caller_lists.hpp"
 #include "../loops/carry_loops.hpp"
 #include "../loops/library_loops.hpp"
 
@@ -77,8 +78,7 @@ hmf_status loops_on_surface(const MarkedTrial& made, const Mesh& mesh, Call& cal
     Array<uint32_t> vertex;
     if (!loops.copy_from(made.loops(), call.memory)) return call.out_of_memory();
     if (carry_to_finer(trial, trial.level_count - 1, 0, call, loops)) return call.status();
-    if (!vertex.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) vertex[trial.vertex_internal[v]] = v;
+    if (inverse_numbers(trial.vertex_internal, mesh.vertex_count, vertex, call)) return call.status();
     for (uint32_t& x : loops.crossings) {
         const uint32_t from = vertex[trial.input.origin[x]], to = vertex[trial.input.target(x)];
         x = NONE;
@@ -193,8 +193,7 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
     call.range(0.9, 1);
     if (carry_to_input(h, level, out.marks, call, out.loops)) return call.status();
     Array<uint32_t> caller;
-    if (!caller.allocate(call.memory, vertex_count)) return call.out_of_memory();
-    for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;
+    if (inverse_numbers(h.vertex_internal, vertex_count, caller, call)) return call.status();
     for (uint32_t& v : out.marks) v = caller[v];
     return HMF_OK;
 }

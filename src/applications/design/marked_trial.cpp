@@ -210,7 +210,7 @@ hmf_status MarkedTrial::count_crossings(Array<uint32_t>& offsets, Array<uint32_t
     for (size_t c = 0; c < n; ++c) {
         if (of_loop[c] == NONE) return HMF_OK;
         const int64_t middle = cylinders.list[of_loop[c]].height | 1;
-        if (!closed_leaf(f, cylinders.leaf_at(f, of_loop[c], middle), cylinders.graph.crossing_limit(), leaf))
+        if (!closed_leaf(f, leaf_at(f, cylinders, of_loop[c], middle), cylinders.graph.crossing_limit(), leaf))
             return failed(call_);
         for (const Crossing& x : leaf)
             if (!edges.push(edge_of(x.half_edge))) return failed(call_);

@@ -2,7 +2,7 @@
 // loops, and the solution for weights of these with its derivatives.
 #pragma once
 
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../loops/dual_length.hpp"
 #include "../../core/curves/loops.hpp"
 #include "../../core/solve/solve.hpp"

@@ -17,6 +17,7 @@
 
 #include "../../core/base/disjoint_sets.hpp"
 #include "../../core/base/heap_sort.hpp"
+#include "../common/caller_lists.hpp"
 #include "edge_distances.hpp"
 #include "disk_corners.hpp"
 
@@ -206,9 +207,7 @@ hmf_status mark_limbs(const hmf_hierarchy& h, Pairs pairs, Call& call, Array<uin
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = coarsest == 0 ? h.input : h.levels[coarsest].mesh;
     Array<uint32_t> caller;
-    const uint32_t vertices = h.input.vertex_count;
-    if (!caller.allocate(call.memory, vertices)) return call.out_of_memory();
-    for (uint32_t v = 0; v < vertices; ++v) caller[h.vertex_internal[v]] = v;
+    if (inverse_numbers(h.vertex_internal, h.input.vertex_count, caller, call)) return call.status();
     const size_t most = pairs != Pairs::everywhere && h.is_double() ? 2 * MOST_TIPS : MOST_TIPS;
     Suggestion suggestion(mesh, h.levels[coarsest].position, most, call);
     const auto takes = [&](uint32_t v) {

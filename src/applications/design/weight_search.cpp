@@ -9,7 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/boundary_zeros.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../../core/leaves/double_reflection.hpp"
 #include "whole_weights.hpp"
 
@@ -110,8 +111,7 @@ hmf_status WeightSearch::find_bare_parts(bool& any) {
     if (any) return HMF_OK;
     if (read_reflection(h_, reflection, call_)) return call_.status();
     Cylinders cylinders;
-    cylinders.graph.on_boundary = reflection.is_boundary.data();
-    cylinders.graph.mirror = reflection.half_edge.data();
+    cylinders.graph.division = division_at_boundary(reflection);
     Call inner(&call_);
     if (cylinders.build(state_.foliation, nullptr, nullptr, inner)) {
         if (inner.cancelled()) return call_.was_cancelled();
@@ -138,7 +138,8 @@ hmf_status WeightSearch::find_means(const WeightedLoops& loops, bool& known) {
         || !at_vertex.allocate_filled(memory, mesh.vertex_count, 0.0)
         || !area_at.allocate_filled(memory, mesh.vertex_count, 0.0))
         return call_.out_of_memory();
-    if (!cylinders.find_vertices(state_.foliation, call_)) return call_.stopped();
+    CylinderParts parts;
+    if (!parts.find(state_.foliation, cylinders, call_)) return call_.stopped();
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         const uint32_t t = mesh.face[h], v = mesh.origin[h];
         at_vertex[v] += scale_.area[t] * scale_.log_scale[t];
@@ -148,7 +149,7 @@ hmf_status WeightSearch::find_means(const WeightedLoops& loops, bool& known) {
         const double ends = area_at[mesh.origin[2 * e]] + area_at[mesh.target(2 * e)];
         const double sum = at_vertex[mesh.origin[2 * e]] + at_vertex[mesh.target(2 * e)];
         const double whole = 2 * static_cast<double>(state_.foliation.value[e]);
-        cylinders.visit_parts(mesh, state_.foliation.value, e, [&](uint32_t c, int64_t first, int64_t last) {
+        parts.visit(state_.foliation, e, [&](uint32_t c, int64_t first, int64_t last) {
             const int64_t height = static_cast<int64_t>(static_cast<double>(cylinders.list[c].height) * unit_);
             const int64_t low = height % WEIGHT_LABELS;
             const size_t loop = static_cast<size_t>(low % 2 == 1 ? low / 2 : low / 4);

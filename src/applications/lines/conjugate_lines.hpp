@@ -1,7 +1,7 @@
 // Leaves of the conjugate foliation |dv|, which cross those of F at right angles.
 #pragma once
 
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "polyline.hpp"
 
 namespace hmf {

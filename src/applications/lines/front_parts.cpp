@@ -4,6 +4,8 @@
 
 #include "../../core/base/heap_sort.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -61,13 +63,10 @@ private:
     const Entry* find_mirror(uint64_t index) const {
         const Crossing& c = graph_.crossings[index];
         const Crossing wanted{mirror_.half_edge[c.half_edge], c.at};
-        size_t low = 0, high = sorted_.size();
-        while (low < high) {
-            const size_t middle = low + (high - low) / 2;
-            if (before(graph_.crossings[sorted_[middle].index], wanted)) low = middle + 1;
-            else high = middle;
-        }
-        return low < sorted_.size() && graph_.crossings[sorted_[low].index] == wanted ? &sorted_[low] : nullptr;
+        const Entry* const found = std::partition_point(sorted_.begin(), sorted_.end(), [&](const Entry& entry) {
+            return before(graph_.crossings[entry.index], wanted);
+        });
+        return found != sorted_.end() && graph_.crossings[found->index] == wanted ? found : nullptr;
     }
 
     Part part_of_zero(const Zero& z) {
@@ -135,13 +134,11 @@ private:
         const uint64_t n = c.path_end - c.path_begin;
         for (uint64_t i = 0; i < (n + 1) / 2; ++i) {
             PathPiece &a = cylinders_.pieces[c.path_begin + i], &b = cylinders_.pieces[c.path_end - 1 - i];
-            const PathPiece first = turned(a), last = turned(b);
-            a = last;
+            const PathPiece first = turned(a);
+            a = turned(b);
             b = first;
         }
-        const uint32_t lower = c.lower;
-        c.lower = c.upper;
-        c.upper = lower;
+        std::swap(c.lower, c.upper);
     }
 
     Foliation& f_;

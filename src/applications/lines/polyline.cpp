@@ -159,7 +159,7 @@ hmf_status Lines::add_levels(Cylinders& cylinders, double spacing) {
             line.cylinder = c;
             line.source = k;
             line.height = static_cast<double>(at) / 2 * unit_;
-            if (add_leaf(cylinders.leaf_at(f_, c, at), line)) return call_.status();
+            if (add_leaf(leaf_at(f_, cylinders, c, at), line)) return call_.status();
         }
     }
     return HMF_OK;
@@ -247,7 +247,7 @@ hmf_status Lines::add_point(Cylinders* cylinders, uint32_t h, const double* bary
         return end_line(line) ? HMF_OK : call_.out_of_memory();
     }
     int64_t height = 0;
-    if (cylinders && cylinders->locate(f_, c, line.cylinder, height, call_)) return call_.status();
+    if (cylinders && locate(f_, *cylinders, c, line.cylinder, height, call_)) return call_.status();
     line.height = static_cast<double>(height) / 2 * unit_;
     return add_leaf(c, line);
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../../../include/hmf/applications.h"
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 
 namespace hmf {
 

@@ -11,8 +11,8 @@
 #include "library_loops.hpp"
 
 #include "../../core/base/cyclic.hpp"
-#include "../../core/hierarchy/caller_numbers.hpp"
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/caller_lists.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../../core/solve/state.hpp"
 #include "carry_loops.hpp"
 #include "class_lengths.hpp"

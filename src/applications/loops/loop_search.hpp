@@ -17,7 +17,7 @@
 #pragma once
 
 #include "../../core/base/heap_sort.hpp"
-#include "../../core/base/nearest_first.hpp"
+#include "../common/nearest_first_rounded.hpp"
 #include "find_loops.hpp"
 #include "loop_parameters.hpp"
 #include "signatures.hpp"

@@ -15,7 +15,7 @@
 //    (___________)
 #include "surface_loops.hpp"
 
-#include "../../core/hierarchy/caller_numbers.hpp"
+#include "../common/caller_lists.hpp"
 #include "../../core/curves/double_loops.hpp"
 #include "library_loops.hpp"
 

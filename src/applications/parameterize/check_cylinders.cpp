@@ -1,7 +1,7 @@
 #include "check_cylinders.hpp"
 
 #include "../../core/base/sparse_map.hpp"
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +68,7 @@ hmf_status check_cylinders(State& state, const MovedZeros& moved, const SignBund
         sums.is_crossed = true;
         for (size_t k = 0; k < 5 && sums.is_crossed; ++k) {
             const int64_t at = static_cast<int64_t>(places[k] * 2 * static_cast<double>(height)) | 1;
-            const Crossing start = cylinders.leaf_at(f, c, std::min(at, 2 * height - 1));
+            const Crossing start = leaf_at(f, cylinders, c, std::min(at, 2 * height - 1));
             if (!closed_leaf(f, start, cylinders.graph.crossing_limit(), leaf))
                 return call.memory.failure()
                          ? call.out_of_memory()

@@ -23,8 +23,8 @@ Done ZeroMoves::move(const Array<uint32_t>& tripods, const Array<uint32_t>& even
     nearest_.start(memory);
     reached_.start(memory);
     way_.start(memory);
-    waiting.start(memory);
-    if (!waiting.extend(tripods.size()) || !settled_.allocate_filled(memory, mesh_.face_count, NONE)) return false;
+    if (!waiting.allocate(memory, tripods.size()) || !settled_.allocate_filled(memory, mesh_.face_count, NONE))
+        return false;
     std::copy(tripods.begin(), tripods.end(), waiting.begin());
     // u is not defined there: no way leads through before the zero has left.
     for (const uint32_t h : tripods) settled_[mesh_.face[h]] = BARRED;

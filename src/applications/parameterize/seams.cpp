@@ -17,8 +17,7 @@
 #include "seams.hpp"
 
 #include "../../core/base/disjoint_sets.hpp"
-#include "../../core/base/nearest_first.hpp"
-#include "../../core/base/sort_keys.hpp"
+#include "../common/nearest_first_rounded.hpp"
 #include "../../core/mesh/weights.hpp"
 
 #include <cmath>

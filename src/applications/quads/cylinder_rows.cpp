@@ -93,7 +93,7 @@ Done CylinderRows::set_heights(uint32_t cylinder, int64_t rows) {
 
 // The leaf at a height into leaf_, with the piece of the path that it crosses.
 hmf_status CylinderRows::find_leaf(uint32_t cylinder, int64_t height, uint64_t& piece) {
-    const Crossing start = in_.cylinders.leaf_at(in_.f, cylinder, height, &piece);
+    const Crossing start = leaf_at(in_.f, in_.cylinders, cylinder, height, &piece);
     if (!call_.tick(0)) return call_.was_cancelled();
     if (!closed_leaf(in_.f, start, in_.graph.crossing_limit(), leaf_))
         return call_.memory.failure()

@@ -2,7 +2,7 @@
 // of a double which part of them lies in front.
 #pragma once
 
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../lines/front_parts.hpp"
 #include "quad_rulers.hpp"
 

@@ -1,7 +1,7 @@
 // A quad mesh along the leaves.
 #pragma once
 
-#include "../../core/leaves/cylinders.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "../lines/front_parts.hpp"
 #include "point.hpp"
 #include "quad_sizes.hpp"

@@ -1,7 +1,7 @@
 // The conjugate v along leaves and edges, and points of a line at given v.
 #pragma once
 
-#include "../../core/leaves/leaf.hpp"
+#include "../common/cylinder_leaves.hpp"
 #include "point.hpp"
 
 namespace hmf {

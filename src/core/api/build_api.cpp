@@ -1,5 +1,5 @@
 // hmf.h: build.
-#include "mesh_entry.hpp"
+#include "entry.hpp"
 
 #include <new>
 
@@ -7,24 +7,18 @@ using namespace hmf;
 
 namespace hmf {
 
-static bool read(const hmf_hierarchy_options* from, hmf_hierarchy_options& all, BuildOptions& options) {
-    if (!copy_options(from, all)) return false;
-    if (all.collapse) options.collapse = all.collapse;
-    if (all.ratio != 0) options.ratio = all.ratio;
-    if (all.coarsest) options.coarsest = all.coarsest;
-    options.mollify = all.mollify;
-    options.position_stride = all.position_stride;
-    options.marked_vertices = all.marked_vertices;
-    options.marked_count = all.marked_count;
-    return options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM && options.ratio >= 0.05
-        && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release
-        && options.position_stride <= PTRDIFF_MAX;
-}
-
-bool read_build_options(const hmf_hierarchy_options* from, hmf_hierarchy_options& all, BuildOptions& options) {
-    if (read(from, all, options)) return true;
-    all.allocate = nullptr;
-    all.release = nullptr;
+bool read_build_options(const hmf_hierarchy_options* from, BuildOptions& options) {
+    const BuildOptions defaults;
+    hmf_hierarchy_options& given = options;
+    const bool readable = copy_options(from, given);
+    if (options.collapse == 0) options.collapse = defaults.collapse;
+    if (options.ratio == 0) options.ratio = defaults.ratio;
+    if (readable && options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM
+        && options.ratio >= 0.05 && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1
+        && !options.allocate == !options.release && options.position_stride <= PTRDIFF_MAX)
+        return true;
+    options.allocate = nullptr;
+    options.release = nullptr;
     return false;
 }
 
@@ -36,11 +30,6 @@ hmf_status refuse_build_options(Call& call) {
         "together.");
 }
 
-hmf_status MeshEntry::check(const void* out) {
-    if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
-    return control_.usable ? HMF_OK : unusable_options("hmf_control", call);
-}
-
 } // namespace hmf
 
 extern "C" {
@@ -50,10 +39,9 @@ hmf_status hmf_hierarchy_create(const double* positions, size_t vertex_count, co
                                 hmf_hierarchy** out, hmf_error* error) {
     if (out) *out = nullptr;
     const Control given(control);
-    hmf_hierarchy_options all;
     BuildOptions build;
-    const bool readable = read_build_options(options, all, build);
-    Memory own(all.allocate, all.release, all.allocator_user, all.memory_limit);
+    const bool readable = read_build_options(options, build);
+    Memory own(build.allocate, build.release, build.allocator_user, build.memory_limit);
     {
         Call call(own, error, nullptr, nullptr);
         if (!out)
@@ -63,7 +51,7 @@ hmf_status hmf_hierarchy_create(const double* positions, size_t vertex_count, co
         if (!readable) return refuse_build_options(call);
         void* block = own.take(sizeof(hmf_hierarchy));
         if (!block) return call.out_of_memory();
-        *out = new (block) hmf_hierarchy(all.allocate, all.release, all.allocator_user, all.memory_limit);
+        *out = new (block) hmf_hierarchy(build.allocate, build.release, build.allocator_user, build.memory_limit);
     }
     hmf_hierarchy* h = *out;
     h->memory.keep_arrays();
@@ -90,9 +78,8 @@ void hmf_hierarchy_destroy(hmf_hierarchy* hierarchy) {
 
 uint64_t hmf_hierarchy_memory_estimate(size_t vertex_count, size_t triangle_count,
                                        const hmf_hierarchy_options* options) {
-    hmf_hierarchy_options all;
     BuildOptions build;
-    if (!read_build_options(options, all, build)) return 0;
+    if (!read_build_options(options, build)) return 0;
     if (vertex_count == 0 || triangle_count == 0 || vertex_count > 0x7fffffff / 3 || triangle_count > 0x7fffffff / 3)
         return 0;
     return build_memory_bound(vertex_count, triangle_count, build) + sizeof(hmf_hierarchy);

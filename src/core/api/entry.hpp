@@ -93,6 +93,10 @@ public:
     [[nodiscard]] hmf_status check(const hmf_hierarchy* hierarchy, const void* out);
 };
 
+// The options with all defaults in place; false: they are unusable, and name no allocator.
+bool read_build_options(const hmf_hierarchy_options* from, BuildOptions& options);
+hmf_status refuse_build_options(Call& call);
+
 [[nodiscard]] hmf_status check_level(const hmf_hierarchy& hierarchy, size_t level, Call& call);
 [[nodiscard]] hmf_status check_count(size_t count, size_t needed, const char* what, Call& call);
 

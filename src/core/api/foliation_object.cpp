@@ -52,12 +52,6 @@ hmf_status load_solved(const hmf_foliation& foliation, State& state, double& uni
     return HMF_OK;
 }
 
-hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call) {
-    double unit = 1;
-    if (load_solved(foliation, state, unit, call)) return call.status();
-    return foliation.solved_bits > 0 ? coarsen_unit(state, static_cast<uint32_t>(foliation.solved_bits), call) : HMF_OK;
-}
-
 hmf_status coarsen_unit(State& state, uint32_t bits, Call& call) {
     bool exact = false;
     if (!to_coarser_unit(state.foliation, bits, call.memory, exact)) return call.out_of_memory();

@@ -61,20 +61,11 @@ struct FoliationData {
 // The foliation is there, and has no poles.
 [[nodiscard]] hmf_status check_foliation(const hmf_foliation* foliation, Call& call);
 
-// A solve left it with residuals of 1e-8 at most: what is measured there needs
-// no further step.
-inline bool is_minimum(const hmf_foliation& foliation) {
-    const double residual = foliation.has_report ? foliation.report.residual_max : 1;
-    return residual >= 0 && residual <= 1e-8;
-}
-
 // Its values into a state on its level, the caller's side on level 0; the
 // state has room down to level `finest`.
 [[nodiscard]] hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call);
 // The same on the side where it is solved: what to measure and improve, in a unit of its own, given back.
 [[nodiscard]] hmf_status load_solved(const hmf_foliation& foliation, State& state, double& unit, Call& call);
-// The same again in the unit of the values: what leaves are followed on.
-[[nodiscard]] hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call);
 
 // The values of a state in a unit that is 2^bits times as large (coarser_unit.hpp);
 // all heights must be multiples of it.

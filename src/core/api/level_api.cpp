@@ -23,18 +23,6 @@ void write_input(const hmf_hierarchy& h, uint32_t* edge_vertices, uint32_t* tria
 // Half the cotangents on level 0, triangle by triangle: an edge of the boundary has one.
 void write_input_weights(const hmf_hierarchy& h, double* weights) {
     const double* const x = h.levels[0].position;
-    if (!h.is_double()) {
-        const Mesh& mesh = h.input;
-        for (uint32_t e = 0; e < h.surface_edges; ++e) {
-            const uint32_t a = 2 * h.edge_internal[e], b = twin(a);
-            const double* const i = x + size_t{3} * mesh.origin[a];
-            const double* const j = x + size_t{3} * mesh.origin[b];
-            weights[e] = 0.5
-                       * (cotangent(x + size_t{3} * mesh.origin[mesh.prev(a)], i, j)
-                          + cotangent(x + size_t{3} * mesh.origin[mesh.prev(b)], j, i));
-        }
-        return;
-    }
     for (uint32_t e = 0; e < h.surface_edges; ++e) weights[e] = 0;
     for (size_t side = 0; side < size_t{3} * h.surface_triangles; ++side) {
         const size_t first = side - side % 3;
@@ -72,10 +60,8 @@ hmf_status hmf_level(const hmf_hierarchy* hierarchy, size_t level, const hmf_con
     const Level& from = h.levels[level];
     hmf_level_mesh result{};
     result.struct_size = sizeof result;
-    result.vertex_count = h.shown_vertices(level);
-    result.edge_count = h.shown_edges(level);
-    result.triangle_count = h.shown_triangles(level);
-    const size_t V = h.shown_vertices(level), E = h.shown_edges(level), T = h.shown_triangles(level);
+    const size_t V = result.vertex_count = h.shown_vertices(level), E = result.edge_count = h.shown_edges(level),
+                 T = result.triangle_count = h.shown_triangles(level);
     if (!call.tick(0)) return call.was_cancelled();
     ResultBlock block;
     block.room(result, result.positions, 3 * V);

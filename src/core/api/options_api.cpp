@@ -10,11 +10,7 @@ extern "C" {
 void hmf_control_init(hmf_control* control, uint32_t struct_size) { init_options(control, struct_size, {}); }
 
 void hmf_hierarchy_options_init(hmf_hierarchy_options* options, uint32_t struct_size) {
-    const BuildOptions build;
-    hmf_hierarchy_options defaults{};
-    defaults.collapse = build.collapse;
-    defaults.ratio = build.ratio;
-    init_options(options, struct_size, defaults);
+    init_options<hmf_hierarchy_options>(options, struct_size, BuildOptions());
 }
 
 void hmf_solve_options_init(hmf_solve_options* options, uint32_t struct_size) {

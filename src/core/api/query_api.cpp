@@ -8,11 +8,9 @@
 
 using namespace hmf;
 
-namespace {
-
-const hmf_hierarchy* hierarchy_of(const hmf_foliation* foliation) { return foliation ? foliation->hierarchy : nullptr; }
-
-} // namespace
+static const hmf_hierarchy* hierarchy_of(const hmf_foliation* foliation) {
+    return foliation ? foliation->hierarchy : nullptr;
+}
 
 extern "C" {
 

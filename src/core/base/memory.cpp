@@ -122,9 +122,7 @@ void Memory::give_array(void* block, size_t bytes) {
     }
 }
 
-namespace {
-constexpr size_t aligned(size_t bytes) { return (bytes + 15) / 16 * 16; }
-} // namespace
+static constexpr size_t aligned(size_t bytes) { return (bytes + 15) / 16 * 16; }
 
 void Arena::clear() {
     while (blocks_) {

@@ -154,13 +154,6 @@ public:
         capacity_ = n;
         return true;
     }
-    // n more, not set.
-    Done extend(size_t n) {
-        const size_t all = size_ + n;
-        if (all > capacity_ && !reserve(all > 2 * capacity_ ? all : 2 * capacity_)) return false;
-        size_ = all;
-        return true;
-    }
     void pop() {
         assert(size_);
         --size_;
@@ -289,16 +282,6 @@ public:
             parallel.for_blocks(n - first < stride ? n - first : stride, block,
                                 [&](size_t begin, size_t end) { f(first + begin, first + end); });
         }
-        return true;
-    }
-    // The sum of T = f(begin, end) over these blocks, as Parallel::sum_blocks.
-    template <class T, class F>
-    Done sum_pass(size_t n, double fraction, T& sum, F f) {
-        T part[Parallel::MOST_PARTS];
-        const size_t block = Parallel::pass_block(n);
-        if (!pass(n, fraction, [&](size_t begin, size_t end) { part[begin / block] = f(begin, end); })) return false;
-        sum = T{};
-        for (size_t k = 0; k * block < n; ++k) sum += part[k];
         return true;
     }
     void range(double from, double to) {

@@ -23,13 +23,9 @@ double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* si
         for (size_t step = 0; step < 4 * sides; ++step) {
             if (sign[g] > 1) agreement += (sign[g] - unvisited) * s * weight[edge_of(g)] * static_cast<double>(f.at(g));
             sign[g] = s;
-            const uint32_t ahead = mesh.rotate_ccw(g);
-            if (f.at(ahead) == 0) {
-                g = twin(mesh.next[g]);
-            } else {
-                if (f.corner2(g) == 0) s = static_cast<int8_t>(-s);
-                g = ahead;
-            }
+            bool closed = false;
+            g = next_round(f, g, closed);
+            if (closed) s = static_cast<int8_t>(-s);
             if (g == start) return;
         }
     };

@@ -92,6 +92,18 @@ inline int64_t largest_value(const Foliation& f, const Parallel& parallel) {
         .value;
 }
 
+// The next half-edge that is not zero around the boundary of a cluster,
+// counter-clockwise; closed: a closed corner lies between.
+inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
+    const uint32_t ahead = f.mesh.rotate_ccw(g);
+    if (f.at(ahead) > 0) {
+        closed = f.corner2(g) == 0;
+        return ahead;
+    }
+    closed = false;
+    return twin(f.mesh.next[g]); // the same neighbor, seen from the other end of the zero edge
+}
+
 // Result of the search around a cluster. The search may stop early, as soon as the closed corners reach a limit or the
 // vertices exceed a budget.
 struct Cluster {

@@ -28,15 +28,8 @@ Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const 
         || !neighbor.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
         || !monogons.find(mesh, memory))
         return false;
-    // With monogons degrees are known only after the walk, and alone the walk is enough.
-    if (parallel.slots() > 1 && monogons.vertex.empty()) {
-        build_in_blocks(mesh, weight, parallel);
-        return true;
-    }
-    uint32_t at = 0;
-    max_degree = 0;
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        offset[v] = at;
+    // The star of v from side `at` on; returns where it ends.
+    const auto read = [&](uint32_t v, uint32_t at) {
         double sum = 0;
         uint32_t first = mesh.out[v];
         const bool host = is(v, Monogons::HOST);
@@ -56,46 +49,29 @@ Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const 
             h = ahead;
         } while (h != first);
         weight_sum[v] = sum;
-        max_degree = std::max(max_degree, at - offset[v]);
-    }
-    offset[mesh.vertex_count] = at;
-    return true;
-}
-
-// As above for a mesh without monogons: counts first, so that each star has its place.
-void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel) {
+        return at;
+    };
+    // Blocks need degrees first; with monogons these are known only after the walk, and alone the walk is enough.
     const uint32_t n = mesh.vertex_count;
-    uint32_t* at = offset.data();
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) at[v] = mesh.degree(v);
-    });
-    uint32_t sum = 0;
+    const bool in_blocks = parallel.slots() > 1 && monogons.vertex.empty();
+    if (in_blocks)
+        parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) offset[v] = mesh.degree(v);
+        });
+    uint32_t at = 0;
     max_degree = 0;
     for (uint32_t v = 0; v < n; ++v) {
-        const uint32_t degree = at[v];
-        max_degree = std::max(max_degree, degree);
-        at[v] = sum;
-        sum += degree;
+        const uint32_t end = in_blocks ? at + offset[v] : read(v, at);
+        offset[v] = at;
+        max_degree = std::max(max_degree, end - at);
+        at = end;
     }
-    at[n] = sum;
-    Side* const sides = side.data();
-    uint32_t* const neighbors = neighbor.data();
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t v = begin; v < end; ++v) {
-            uint32_t t = at[v];
-            double weights = 0;
-            const uint32_t first = mesh.out[v];
-            uint32_t h = first;
-            do {
-                const uint32_t across = mesh.next[h];
-                weights += weight[edge_of(h)];
-                sides[t] = {h, edge_of(across)};
-                neighbors[t++] = mesh.target(h);
-                h = twin(mesh.next[across]);
-            } while (h != first);
-            weight_sum[v] = weights;
-        }
-    });
+    offset[n] = at;
+    if (in_blocks)
+        parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) read(v, offset[v]);
+        });
+    return true;
 }
 
 Done Star::allocate(Memory& memory, uint32_t max_degree) {
@@ -130,10 +106,6 @@ uint32_t walk_to_next_visit(Foliation& f, uint32_t start, uint32_t budget, bool&
     decided = false;
     return NONE;
 }
-
-} // namespace
-
-namespace {
 
 // A star in two directions without zero edges, as nearly all are; false: another
 // one, of which F, corner2 and group are to be read again.

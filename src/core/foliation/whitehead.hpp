@@ -34,9 +34,6 @@ struct Rings {
         }
     }
     bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
-
-private:
-    void build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel);
 };
 
 // The next side of a vertex, counter-clockwise and clockwise.

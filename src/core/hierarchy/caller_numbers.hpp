@@ -14,16 +14,6 @@ uint32_t internal_face(const hmf_hierarchy& h, size_t triangle);
 // Half-edge of side 0 of each triangle of the caller's mesh or of a coarser level.
 Done side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& side, Call& call);
 
-// Internal face of each triangle of the caller.
-[[nodiscard]] hmf_status caller_faces(const hmf_hierarchy& h, Array<uint32_t>& face, Call& call);
-
-// The caller's triangle on the left of each half-edge of level 0, a few of all.
-[[nodiscard]] hmf_status caller_triangles(const hmf_hierarchy& h, const Array<uint32_t>& half_edges,
-                                          Array<uint32_t>& triangles, Call& call);
-
-// caller[internal[i]] = i
-[[nodiscard]] hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
-
 // Refuses a level with a vertex that has more neighbors than can be solved for; before the work starts.
 [[nodiscard]] hmf_status refuse_hubs(const hmf_hierarchy& h, size_t level, Call& call);
 

@@ -21,7 +21,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 
 #include "../base/memory.hpp"
 #include "../mesh/double_surface.hpp"
@@ -29,14 +28,13 @@
 
 namespace hmf {
 
-struct BuildOptions {
-    int32_t collapse = HMF_COLLAPSE_MIDPOINT;
-    double ratio = 0.5;
-    uint64_t coarsest = 0;                     // vertices to aim for, 0: see coarsest_vertices()
-    uint64_t position_stride = 0;              // bytes from one vertex to the next, 0 = packed
-    double mollify = 0;                        // margin of the triangle inequalities on level 0, in mean edge lengths
-    const uint32_t* marked_vertices = nullptr; // in the caller's numbers
-    uint64_t marked_count = 0;
+// The options of the caller with their defaults, and options of the library itself.
+struct BuildOptions : hmf_hierarchy_options {
+    // cppcheck-suppress uninitDerivedMemberVar
+    BuildOptions() : hmf_hierarchy_options() {
+        collapse = HMF_COLLAPSE_MIDPOINT;
+        ratio = 0.5;
+    }
     bool sphere_allowed = false; // although nothing can be solved on it
     bool has_weights = true;     // on level 0; without them loops can be found, nothing can be solved
 };
@@ -110,11 +108,6 @@ struct hmf_hierarchy {
     bool is_double() const { return boundary_count > 0; }
     // Energies and areas of the surface are this part of those inside.
     double share() const { return is_double() ? 0.5 : 1; }
-    // Of a length above 0 that the caller gives: it stays above 0 and finite.
-    double length_inside(double length) const {
-        return std::min(std::max(length * scale, std::numeric_limits<double>::min()),
-                        std::numeric_limits<double>::max());
-    }
     uint32_t shown_vertices(size_t level) const {
         return level == 0 ? surface_vertices : levels[level].mesh.vertex_count;
     }

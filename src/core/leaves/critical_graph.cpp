@@ -25,7 +25,7 @@ Done CriticalGraph::start(const Foliation& f, Memory& memory) {
     // A boundary leaf of a harmonic foliation crosses about as many edges as a shortest loop. Integers that belong to
     // no such class can make it longer than any memory.
     crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
-    return at_vertex_.start(memory) && at_tripod_.start(memory);
+    return at_vertex.start(memory) && at_tripod_.start(memory);
 }
 
 hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
@@ -61,7 +61,7 @@ hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call)
 // The cluster of the vertex is f.members.
 Done CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
     bool done = false;
-    if (can_be_taken_apart(f, euler) && !add_zeros_on_boundary(f, index, done)) return false;
+    if (division.divide && !division.divide(division.user, *this, f, index, euler, done)) return false;
     if (done) return true;
     const uint32_t zero = static_cast<uint32_t>(zeros.size());
     if (!zeros.push({false, vertex, index, euler})) return false;
@@ -162,14 +162,14 @@ Done CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint3
     const uint32_t before = static_cast<uint32_t>(sectors.size());
     if (from[0] == NONE || from[1] == NONE) return true;
     done = true;
-    const auto set_between = [&](uint32_t g, uint32_t, bool) { return at_vertex_.set(g, BETWEEN); };
+    const auto set_between = [&](uint32_t g, uint32_t, bool) { return at_vertex.set(g, BETWEEN); };
     if (!for_circle(f, from[0], set_between)) return false;
     for (uint32_t k = 0; k < 2; ++k) {
         const uint32_t s = before + k;
         if (!sectors.push({k == 0 ? zero : other_zero, s, s, NONE, NONE, NONE})) return false;
         uint32_t g = from[k];
         do {
-            if (!at_vertex_.set(g, s)) return false;
+            if (!at_vertex.set(g, s)) return false;
             sectors[s].last = g;
             const uint32_t ahead = f.mesh.rotate_ccw(g);
             g = f.at(ahead) > 0 ? ahead : NONE;
@@ -181,7 +181,7 @@ Done CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint3
 // The circles of the cluster's boundary on which half-edges of the vertex lie.
 Done CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex) {
     for (const uint32_t h : f.mesh.around(vertex))
-        if (f.at(h) > 0 && at_vertex_.find(h) == NONE && !add_sectors_of_circle(f, zero, h)) return false;
+        if (f.at(h) > 0 && at_vertex.find(h) == NONE && !add_sectors_of_circle(f, zero, h)) return false;
     return true;
 }
 
@@ -205,7 +205,7 @@ Done CriticalGraph::add_sectors_of_circle(const Foliation& f, uint32_t zero, uin
     uint32_t s = before;
     for (size_t i = 0; i < circle_.size(); ++i) {
         const uint32_t g = circle_[(start + i) % circle_.size()];
-        if (!at_vertex_.set(g, s)) return false;
+        if (!at_vertex.set(g, s)) return false;
         sectors[s].last = g;
         bool closed = false;
         next_round(f, g, closed);
@@ -233,7 +233,7 @@ uint32_t CriticalGraph::sector_at(const Foliation& f, const Crossing& c) const {
         if (s != NONE) return s;
     }
     if (c.at == width(f, h) - 1) {
-        const uint32_t s = at_vertex_.find(twin(h));
+        const uint32_t s = at_vertex.find(twin(h));
         if (s < BETWEEN) return s;
     }
     return NONE;
@@ -331,15 +331,11 @@ bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, LeafM
     marks_on(edge_of(h), begin, end);
     const bool backwards = h & 1u;
     const int64_t place = backwards ? width(f, h) - at : at; // along 2e
-    // The first mark beyond the place.
-    uint32_t low = begin, high = end;
-    while (low < high) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (backwards ? marks[middle].at < place : marks[middle].at <= place) low = middle + 1;
-        else high = middle;
-    }
-    if (backwards ? low == begin : low == end) return false;
-    found = marks[backwards ? low - 1 : low];
+    const auto is_before = [=](const LeafMark& mark) { return backwards ? mark.at < place : mark.at <= place; };
+    const LeafMark *const first = marks.data() + begin, *const last = marks.data() + end;
+    const LeafMark* const beyond = std::partition_point(first, last, is_before);
+    if (beyond == (backwards ? first : last)) return false;
+    found = backwards ? beyond[-1] : *beyond;
     if (backwards) {
         found.at = width(f, h) - found.at;
         found.forward = !found.forward;

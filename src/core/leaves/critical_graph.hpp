@@ -24,7 +24,7 @@
 //        '------------------'
 //
 // On an exactly symmetric double a leaf can run along the boundary.  All its vertices
-// there have one image, a cluster.  With on_boundary set this cluster is divided (boundary_zeros.cpp):
+// there have one image, a cluster.  It can be divided (ClusterDivision):
 // a zero at each vertex where prongs leave and at each marked one, and between
 // them arcs along the boundary, again the parts of the circle between their sectors:
 //
@@ -79,6 +79,14 @@ struct ZeroList {
     Array<uint32_t> vertices, tripods;
 };
 
+// Divides the cluster in f.members into several zeros, which it adds to the graph with their sectors, if done.
+class CriticalGraph;
+struct ClusterDivision {
+    const void* user = nullptr;
+    Done (*divide)(const void* user, CriticalGraph& graph, const Foliation& f, int32_t index, int64_t euler,
+                   bool& done) = nullptr;
+};
+
 // Only edges that a boundary leaf crosses have an entry anywhere, so that the
 // graph costs the length of these leaves (and a pass over the mesh to find
 // the zeros, unless they are known).
@@ -90,11 +98,12 @@ public:
     Array<Boundary> boundaries;
     Array<Crossing> crossings;
     Array<LeafMark> marks; // ascending on each edge
+    static constexpr uint32_t BETWEEN = NONE - 1;
+    SparseMap at_vertex; // half-edge out of a cluster to its sector; BETWEEN two marked vertices or zeros
 
     // Wishes, before build().
-    const uint8_t* on_boundary = nullptr; // per vertex; NULL: clusters there stay whole
-    const uint32_t* mirror = nullptr;     // with on_boundary: per half-edge its image, itself on the boundary
-    uint32_t closed_leaf = NONE;          // where there is no zero: an edge that the leaf crosses in its middle
+    ClusterDivision division;    // of a double: clusters on the boundary; by default they stay whole
+    uint32_t closed_leaf = NONE; // where there is no zero: an edge that the leaf crosses in its middle
 
     // vertex_order, face_order: internal numbers in the order in which zeros
     // are listed, and behind them the marked vertices that are none; NULL: as
@@ -134,17 +143,6 @@ private:
                                         Call& call);
     [[nodiscard]] hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
                                          const uint32_t* cluster, Call& call);
-    struct Run;
-    struct Places;
-    bool is_closed_path(const Foliation& f) const;
-    bool can_be_taken_apart(const Foliation& f, int64_t euler) const;
-    Done add_zeros_on_boundary(Foliation& f, int32_t index, bool& done);
-    Done find_roots(const Foliation& f, SparseMap& root, bool& any);
-    Done find_places(const Foliation& f, int32_t index, Places& places);
-    Done read_circle(const Foliation& f, uint32_t h, const Places& places, Array<Run>& runs);
-    Done read_circles(const Foliation& f, const Places& places, Array<Run>& runs);
-    Done add_sectors_of_runs(const Foliation& f, Array<Run>& runs);
-    void link_sectors(uint32_t zero, const Array<Run>& runs);
     Done add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
     Done add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h);
     Done add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
@@ -153,28 +151,15 @@ private:
     [[nodiscard]] hmf_status pair_arcs(Call& call);
     Done sort_marks(const Foliation& f, Memory& memory);
 
-    static constexpr uint32_t BETWEEN = NONE - 1; // of a half-edge: between two marked vertices or zeros
-    SparseMap at_vertex_, at_tripod_;             // half-edge to sector
-    SparseMap marked_;                            // edge to its number among those with marks
-    Array<uint32_t> mark_offset_;                 // of these, and the end
+    SparseMap at_tripod_;         // half-edge to sector
+    SparseMap marked_;            // edge to its number among those with marks
+    Array<uint32_t> mark_offset_; // of these, and the end
     Array<uint32_t> circle_;
     Memory* memory_ = nullptr;
     uint64_t crossing_limit_ = 0;
 };
 
-// The next half-edge that is not zero around the boundary of a cluster,
-// counter-clockwise; closed: a closed corner lies between.
-inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
-    const uint32_t ahead = f.mesh.rotate_ccw(g);
-    if (f.at(ahead) > 0) {
-        closed = f.corner2(g) == 0;
-        return ahead;
-    }
-    closed = false;
-    return twin(f.mesh.next[g]); // same neighbor, seen from the other end of the zero edge
-}
-
-// Once around such a circle, from h on: visit(half-edge, the next one, a closed corner lies between).
+// Once around the boundary of a cluster, from h on: visit(half-edge, the next one, a closed corner lies between).
 template <class Visit>
 Done for_circle(const Foliation& f, uint32_t h, Visit visit) {
     uint32_t g = h;

@@ -4,9 +4,7 @@
 
 namespace hmf {
 
-namespace {
-constexpr uint32_t REFLECTION_STRIDE = 131072; // triangles between two reports
-} // namespace
+static constexpr uint32_t REFLECTION_STRIDE = 131072; // triangles between two reports
 
 //        c0                 c0'        Side s of a triangle in front is side 2 - s of the
 //       /  \                /  \        one behind it, run through the other way.

@@ -52,9 +52,4 @@ inline Crossing follow(const Foliation& f, const Crossing& c) {
     return {f.mesh.next[k], c.at};
 }
 
-// Does the leaf, where it comes over c, turn around the corner on its left?
-inline bool turns_left(const Foliation& f, const Crossing& c) {
-    return width(f, c.half_edge) - c.at < branch(f, twin(c.half_edge));
-}
-
 } // namespace hmf

@@ -58,16 +58,10 @@ private:
         return work_ <= WORK * mesh_.edge_count + MOST_WORK;
     }
 
-    // The next half-edge around the cluster; closed: behind a closed corner.
-    uint32_t next_round(uint32_t g, bool& closed) const {
-        const uint32_t ahead = mesh_.rotate_ccw(g);
-        closed = f_.at(ahead) > 0 && f_.corner2(g) == 0;
-        return f_.at(ahead) > 0 ? ahead : twin(mesh_.next[g]);
-    }
     bool reaches(uint32_t from, uint32_t to) const {
         bool closed = false;
         for (uint32_t g = from; g != to;) {
-            g = next_round(g, closed);
+            g = next_round(f_, g, closed);
             if (closed || g == from) return false;
         }
         return true;
@@ -119,12 +113,12 @@ private:
             if (!circle_.push(h)) return false;
             forward_[h] = open;
             bool closed = false;
-            h = next_round(h, closed);
+            h = next_round(f_, h, closed);
             open = open && !closed;
         } while (h != g);
         for (size_t k = circle_.size(); k-- > 1;) { // and clockwise
             bool closed = false;
-            next_round(circle_[k], closed);
+            next_round(f_, circle_[k], closed);
             if (closed) break;
             forward_[circle_[k]] = 1;
         }

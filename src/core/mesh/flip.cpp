@@ -20,33 +20,26 @@ void set_sides(uint32_t* next, uint32_t a, uint32_t b, uint32_t c) {
     next[c] = a;
 }
 
+// counter_clockwise: flip, which takes the sides in the order h, jk, ki, il, lj; unflip takes h, ki, il, lj, jk.
+template <bool counter_clockwise>
+void turn(Mesh& mesh, uint32_t edge) {
+    const uint32_t h = 2 * edge, a = mesh.next[h], b = mesh.next[a];
+    const uint32_t t = twin(h), c = mesh.next[t], d = mesh.next[c];
+    const uint32_t left = mesh.face[h], right = mesh.face[t];
+    assert(left != right);
+    mesh.out[mesh.origin[h]] = c;
+    mesh.out[mesh.origin[t]] = a;
+    mesh.origin[h] = mesh.origin[counter_clockwise ? d : b];
+    mesh.origin[t] = mesh.origin[counter_clockwise ? b : d];
+    mesh.set_triangle(h, counter_clockwise ? b : d, counter_clockwise ? c : a, left);
+    mesh.set_triangle(t, counter_clockwise ? d : b, counter_clockwise ? a : c, right);
+}
+
 } // namespace
 
-void flip(Mesh& mesh, uint32_t edge) {
-    const uint32_t h = 2 * edge, jk = mesh.next[h], ki = mesh.next[jk];
-    const uint32_t t = twin(h), il = mesh.next[t], lj = mesh.next[il];
-    const uint32_t left = mesh.face[h], right = mesh.face[t];
-    assert(left != right);
-    mesh.out[mesh.origin[h]] = il;
-    mesh.out[mesh.origin[t]] = jk;
-    mesh.origin[h] = mesh.origin[lj];
-    mesh.origin[t] = mesh.origin[ki];
-    mesh.set_triangle(h, ki, il, left);
-    mesh.set_triangle(t, lj, jk, right);
-}
+void flip(Mesh& mesh, uint32_t edge) { turn<true>(mesh, edge); }
 
-void unflip(Mesh& mesh, uint32_t edge) {
-    const uint32_t h = 2 * edge, ki = mesh.next[h], il = mesh.next[ki];
-    const uint32_t t = twin(h), lj = mesh.next[t], jk = mesh.next[lj];
-    const uint32_t left = mesh.face[h], right = mesh.face[t];
-    assert(left != right);
-    mesh.out[mesh.origin[h]] = lj;
-    mesh.out[mesh.origin[t]] = ki;
-    mesh.origin[h] = mesh.origin[il];
-    mesh.origin[t] = mesh.origin[jk];
-    mesh.set_triangle(h, jk, ki, left);
-    mesh.set_triangle(t, il, lj, right);
-}
+void unflip(Mesh& mesh, uint32_t edge) { turn<false>(mesh, edge); }
 
 void unflip_sides(uint32_t* next, uint32_t edge) {
     const uint32_t h = 2 * edge, ki = next[h], il = next[ki];

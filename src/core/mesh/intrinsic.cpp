@@ -30,7 +30,6 @@ namespace hmf {
 namespace {
 
 constexpr double INTRINSIC_TOLERANCE = -1e-9; // of the sum of two cotangents
-constexpr double FAILURE = -1e-7;             // of the weight
 constexpr double FLIP_GAIN = 1 - 1e-13;       // of the sum of six cotangents, for one flip
 constexpr double THIN = 1e3;                  // sum of cotangents
 // Squares of the sine of an angle that lengths do not tell, and squares to 31 digits; then cotangents are known to
@@ -48,40 +47,34 @@ double opposite_product(double a, double b, double c) {
 }
 
 // An edge ij and its two triangles; areas are four areas.
-struct Quad {
-    double ij, jk, ki, il, lj, area_k, area_l;
+template <class Number>
+struct EdgeTriangles {
+    Number ij, jk, ki, il, lj, area_k, area_l;
 
-    Quad(const Mesh& mesh, const Metric& metric, uint32_t edge) {
+    EdgeTriangles(const Mesh& mesh, uint32_t edge, const Array<Number>& side, const Array<Number>& area) {
         const uint32_t h = 2 * edge, t = twin(h);
         const uint32_t jk_side = mesh.next[h], il_side = mesh.next[t];
-        ij = metric.length[edge];
-        jk = metric.length[edge_of(jk_side)];
-        ki = metric.length[edge_of(mesh.next[jk_side])];
-        il = metric.length[edge_of(il_side)];
-        lj = metric.length[edge_of(mesh.next[il_side])];
-        area_k = metric.four_areas[mesh.face[h]];
-        area_l = metric.four_areas[mesh.face[t]];
+        ij = side[edge];
+        jk = side[edge_of(jk_side)];
+        ki = side[edge_of(mesh.next[jk_side])];
+        il = side[edge_of(il_side)];
+        lj = side[edge_of(mesh.next[il_side])];
+        area_k = area[mesh.face[h]];
+        area_l = area[mesh.face[t]];
     }
+};
+
+// By lengths; and to 31 digits, by squares of lengths.
+struct Quad : EdgeTriangles<double> {
+    Quad(const Mesh& mesh, const Metric& metric, uint32_t edge) :
+        EdgeTriangles(mesh, edge, metric.length, metric.four_areas) {}
     double cotangent_sum() const {
         return opposite_product(ij, jk, ki) / area_k + opposite_product(ij, il, lj) / area_l;
     }
 };
-
-// The same to 31 digits, by squares of lengths.
-struct FineQuad {
-    TwoDoubles ij, jk, ki, il, lj, area_k, area_l;
-
-    FineQuad(const Mesh& mesh, const Metric& metric, uint32_t edge) {
-        const uint32_t h = 2 * edge, t = twin(h);
-        const uint32_t jk_side = mesh.next[h], il_side = mesh.next[t];
-        ij = metric.square[edge];
-        jk = metric.square[edge_of(jk_side)];
-        ki = metric.square[edge_of(mesh.next[jk_side])];
-        il = metric.square[edge_of(il_side)];
-        lj = metric.square[edge_of(mesh.next[il_side])];
-        area_k = metric.fine_area[mesh.face[h]];
-        area_l = metric.fine_area[mesh.face[t]];
-    }
+struct FineQuad : EdgeTriangles<TwoDoubles> {
+    FineQuad(const Mesh& mesh, const Metric& metric, uint32_t edge) :
+        EdgeTriangles(mesh, edge, metric.square, metric.fine_area) {}
     double cotangent_sum() const { return ((jk + ki - ij) / area_k + (il + lj - ij) / area_l).value(); }
 };
 
@@ -90,8 +83,7 @@ bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] 
 } // namespace
 
 double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge) {
-    return metric.square.empty() ? Quad(mesh, metric, edge).cotangent_sum()
-                                 : FineQuad(mesh, metric, edge).cotangent_sum();
+    return metric.is_fine() ? FineQuad(mesh, metric, edge).cotangent_sum() : Quad(mesh, metric, edge).cotangent_sum();
 }
 
 bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) {
@@ -349,15 +341,11 @@ namespace {
 // Cotangent of the angle opposite to h, from the sides of its triangle alone; false if the triangle is so thin that
 // rounding decides.
 bool cotangent_by_sides(const Mesh& mesh, const Metric& metric, uint32_t h, double& cotangent) {
-    const bool fine = !metric.square.empty();
-    const auto square = [&](uint32_t side) {
-        const double length = metric.length[edge_of(side)];
-        return fine ? metric.square[edge_of(side)] : TwoDoubles::of_product(length, length);
-    };
-    const TwoDoubles a = square(h), b = square(mesh.next[h]), c = square(mesh.prev(h));
+    const TwoDoubles a = metric.square_of(edge_of(h)), b = metric.square_of(edge_of(mesh.next[h])),
+                     c = metric.square_of(edge_of(mesh.prev(h)));
     const TwoDoubles dot = b + c - a, product = 4 * (b * c), rest = product - dot * dot;
     cotangent = dot.high / std::sqrt(rest.high);
-    return rest.high > (fine ? UNKNOWN_FINE_ANGLE : UNKNOWN_ANGLE) * product.high;
+    return rest.high > (metric.is_fine() ? UNKNOWN_FINE_ANGLE : UNKNOWN_ANGLE) * product.high;
 }
 
 } // namespace
@@ -381,20 +369,6 @@ Done find_bad_flip(const Mesh& mesh, const Metric& metric, const double* sum, co
     }
     bad = NONE;
     return true;
-}
-
-uint64_t intrinsic_weights(const Mesh& mesh, double* sum, const Parallel& parallel) {
-    return parallel.sum_blocks<uint64_t>(mesh.edge_count, [&](size_t begin, size_t end) {
-        uint64_t raised = 0;
-        for (size_t e = begin; e < end; ++e) {
-            const double w = 0.5 * sum[e];
-            raised += w < FAILURE;
-            sum[e] = !(w > INTRINSIC_WEIGHT_FLOOR) ? INTRINSIC_WEIGHT_FLOOR
-                   : w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP
-                                                   : w;
-        }
-        return raised;
-    });
 }
 
 } // namespace hmf

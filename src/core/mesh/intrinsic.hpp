@@ -33,6 +33,12 @@ struct Metric {
     // an area that lengths of 53 bits know to 6 digits, so that the weights would depend on the order of the flips.
     Array<TwoDoubles> square;    // of the length, per edge
     Array<TwoDoubles> fine_area; // four areas, per face
+
+    bool is_fine() const { return !square.empty(); }
+    TwoDoubles square_of(uint32_t edge) const {
+        return is_fine() ? square[edge] : TwoDoubles::of_product(length[edge], length[edge]);
+    }
+    TwoDoubles area_of(uint32_t face) const { return is_fine() ? fine_area[face] : TwoDoubles{four_areas[face], 0}; }
 };
 
 // The metric of positions (3 per vertex).  Unless sum is NULL, it gets the cotangents of
@@ -67,9 +73,5 @@ double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge);
 // that fails, or NONE.
 Done find_bad_flip(const Mesh& mesh, const Metric& metric, const double* sum, const FlipLog& flips, Call& call,
                    double fraction, uint32_t& bad);
-
-// From sums of cotangents to weights, in place: clamped to [floor, cap]. Returns the number of weights that were
-// negative beyond rounding.
-uint64_t intrinsic_weights(const Mesh& mesh, double* sum, const Parallel& parallel = Parallel());
 
 } // namespace hmf

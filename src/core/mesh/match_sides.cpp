@@ -21,23 +21,6 @@ namespace {
 // A side is a place in OrderedTriangles::words: 4 * face + corner.
 uint32_t side_after_in_face(uint32_t side) { return side % 4 == 2 ? side - 2 : side + 1; }
 
-// Sides with the same lower vertex and the same key belong together.  In a double
-// the two vertices are not enough: they may have one edge in front and one behind.
-struct PlainKeys {
-    uint32_t operator()(uint32_t high, uint32_t) const { return high; }
-};
-struct DoubleKeys {
-    const OrderedTriangles& ordered;
-    const CallerMesh& caller;
-    uint32_t vertex_count;
-    uint32_t operator()(uint32_t high, uint32_t side) const {
-        const uint32_t triangle = ordered.number(side / 4), m = caller.mirror.triangle_count;
-        if (triangle < m) return high;
-        const uint32_t front = 3 * (triangle - m) + (2 - side % 4); // the side that it is the image of
-        return caller.boundary_side[front] ? high : high + vertex_count;
-    }
-};
-
 // What is wrong in a block of vertices.
 struct Defects {
     uint32_t third = NONE;    // a side of an edge that has two already
@@ -60,8 +43,10 @@ public:
 
     hmf_status run(Array<uint32_t>& boundary, uint32_t& part_count) {
         if (!sort_by_block()) return call_.stopped();
-        if (caller_.mirror.triangle_count == 0) match(PlainKeys{});
-        else match(DoubleKeys{ordered_, caller_, mesh_.vertex_count});
+        call_.parallel.for_each(block_count_, [&](uint32_t k, uint32_t) {
+            sort_by_vertex(k);
+            match_block(k);
+        });
         if (call_.cancelled()) return HMF_CANCELLED;
         bool open = false;
         for (uint32_t k = 0; k < block_count_; ++k) {
@@ -96,12 +81,13 @@ private:
             && call_.tick(0.06);
     }
 
-    template <class Keys>
-    void match(const Keys& keys) {
-        call_.parallel.for_each(block_count_, [&](uint32_t k, uint32_t) {
-            sort_by_vertex(k);
-            match_block(k, keys);
-        });
+    // Sides with the same lower vertex and the same key belong together.  In a double
+    // the two vertices are not enough: they may have one edge in front and one behind.
+    uint32_t key_of_side(uint32_t side) const {
+        const uint32_t high = higher_end(side), m = caller_.mirror.triangle_count;
+        if (m == 0 || number(side) < m) return high;
+        const uint32_t front = 3 * (number(side) - m) + (2 - side % 4); // the side that it is the image of
+        return caller_.boundary_side[front] ? high : high + mesh_.vertex_count;
     }
 
     // out and degree: the end of the bucket of each vertex in sorted_, and its size.
@@ -118,15 +104,14 @@ private:
             sorted_[mesh_.out[lower_end(listed_[n])]++] = listed_[n];
     }
 
-    template <class Keys>
-    void match_block(uint32_t k, const Keys& keys) {
+    void match_block(uint32_t k) {
         const uint32_t v_begin = k << shift_, v_end = std::min(v_begin + (1u << shift_), mesh_.vertex_count);
         for (uint32_t v = v_begin; v < v_end && !defects_[k].found(); ++v) {
             const uint32_t size = degree_[v], begin = mesh_.out[v] - size;
             if (!work(16 + 16 * uint64_t{size})) return;
             order_bucket(v, begin, size);
-            if (size > FEW) match_many(begin, size, keys, defects_[k]);
-            else match_few(begin, size, keys, defects_[k]);
+            if (size > FEW) match_many(begin, size, defects_[k]);
+            else match_few(begin, size, defects_[k]);
         }
     }
     // Progress can be reported where one thread does all.
@@ -148,8 +133,7 @@ private:
     }
 
     // Edges in the order of their second sides.
-    template <class Keys>
-    void match_few(uint32_t begin, uint32_t size, const Keys& keys, Defects& defects) {
+    void match_few(uint32_t begin, uint32_t size, Defects& defects) {
         const uint32_t* const side = listed_ + begin;
         // Which sides are second ones cannot be predicted, so no branch depends on it: what is written for
         // the others is overwritten.
@@ -157,7 +141,7 @@ private:
         uint8_t is_second[FEW + 1]; // and a place for a side that is alone so far
         is_second[FEW] = 0;
         for (uint32_t n = 0; n < size; ++n) {
-            key[n] = keys(higher_end(side[n]), side[n]);
+            key[n] = key_of_side(side[n]);
             uint32_t same = FEW;
             for (uint32_t m = 0; m < n; ++m) same = key[m] == key[n] ? m : same;
             if (is_second[same]) defects.third = std::min(defects.third, side[n]);
@@ -171,12 +155,11 @@ private:
         leave_open(begin + 2 * edges, begin + size, defects);
     }
 
-    template <class Keys>
-    void match_many(uint32_t begin, uint32_t size, const Keys& keys, Defects& defects) {
+    void match_many(uint32_t begin, uint32_t size, Defects& defects) {
         const uint32_t* const side = listed_ + begin;
         // Numbers in the bucket by key; for each second side the number of the first one, else NONE.
         uint32_t *const order = sorted_ + begin, *const first = mesh_.origin + begin;
-        const auto key = [&](uint32_t n) { return keys(higher_end(side[n]), side[n]); };
+        const auto key = [&](uint32_t n) { return key_of_side(side[n]); };
         const auto lower = [&](uint32_t a, uint32_t b) {
             const uint32_t at_a = key(a), at_b = key(b);
             return at_a != at_b ? at_a < at_b : a < b;

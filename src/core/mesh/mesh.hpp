@@ -148,7 +148,4 @@ void unflip(Mesh& mesh, uint32_t edge);
 // The same if only mesh.next is needed.
 void unflip_sides(uint32_t* next, uint32_t edge);
 
-// Every structural invariant; for tests and debug builds.  Returns nullptr or a sentence.
-const char* check(const Mesh& mesh);
-
 } // namespace hmf

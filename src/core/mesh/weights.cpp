@@ -90,15 +90,15 @@ hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum,
                                                                                                      : HMF_CANCELLED;
 }
 
-uint64_t coarse_weights(const Mesh& mesh, double* sum, const Parallel& parallel) {
-    return parallel.sum_blocks<uint64_t>(mesh.edge_count, [&](size_t begin, size_t end) {
-        uint64_t raised = 0;
+uint64_t clamp_weights(const Mesh& mesh, const WeightBounds& bounds, double* sum, const Parallel& parallel) {
+    return parallel.sum_blocks<uint64_t>(mesh.edge_count, [=](size_t begin, size_t end) {
+        uint64_t negative = 0;
         for (size_t e = begin; e < end; ++e) {
             const double w = 0.5 * sum[e];
-            raised += w < 0;
-            sum[e] = !(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
+            negative += w < bounds.negative;
+            sum[e] = !(w > bounds.floor) ? bounds.floor : w > bounds.cap ? bounds.cap : w;
         }
-        return raised;
+        return negative;
     });
 }
 

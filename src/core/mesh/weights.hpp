@@ -12,8 +12,11 @@ double cotangent(const double* apex, const double* a, const double* b);
 
 // Bounds of the weights that the solver sees; energy and residual are those of the bounded
 // ones.  The cap on level 0 is met by needles with angles below 5e-7.
-constexpr double COARSE_WEIGHT_FLOOR = 1e-3, COARSE_WEIGHT_CAP = 1e3;
-constexpr double INTRINSIC_WEIGHT_FLOOR = 1e-9, INTRINSIC_WEIGHT_CAP = 1e6;
+struct WeightBounds {
+    double floor, cap;
+    double negative; // a weight below this is counted; of intrinsic ones one that is negative beyond rounding
+};
+constexpr WeightBounds COARSE_WEIGHTS = {1e-3, 1e3, 0}, INTRINSIC_WEIGHTS = {1e-9, 1e6, -1e-7};
 
 // Visits each face of the half-edges from begin to end - 1 once, by its lowest
 // half-edge.  These are one in three, in no order: they are listed first, branch-free.
@@ -62,8 +65,8 @@ private:
 [[nodiscard]] hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call,
                                         double fraction);
 
-// From sums of cotangents to weights of a coarse level, in place: clamped to [floor, cap]. Returns the number of
-// negative sums.
-uint64_t coarse_weights(const Mesh& mesh, double* sum, const Parallel& parallel);
+// From sums of cotangents to weights, in place: clamped to their bounds. Returns the number of negative ones.
+uint64_t clamp_weights(const Mesh& mesh, const WeightBounds& bounds, double* sum,
+                       const Parallel& parallel = Parallel());
 
 } // namespace hmf

@@ -3,20 +3,6 @@
 
 namespace hmf {
 
-namespace {
-
-MeshListener carry(CurveWords& words) {
-    return {&words,
-            [](void* user, const Mesh& mesh, uint32_t edge, bool reversed) {
-                return static_cast<CurveWords*>(user)->flipped(mesh, edge, reversed);
-            },
-            [](void* user, const Mesh& mesh, const Collapse* collapses, size_t count, Call& call) {
-                return static_cast<CurveWords*>(user)->were_split(mesh, collapses, count, call);
-            }};
-}
-
-} // namespace
-
 hmf_status ClassGuard::start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
                              Call& call) {
     const double begin = call.seconds();
@@ -47,7 +33,13 @@ hmf_status ClassGuard::start(State& state, double unit_of_values, const Loops* l
 }
 
 void ClassGuard::listen(State& state) {
-    listener_ = carry(words);
+    listener_ = {&words,
+                 [](void* user, const Mesh& mesh, uint32_t edge, bool reversed) {
+                     return static_cast<CurveWords*>(user)->flipped(mesh, edge, reversed);
+                 },
+                 [](void* user, const Mesh& mesh, const Collapse* collapses, size_t count, Call& call) {
+                     return static_cast<CurveWords*>(user)->were_split(mesh, collapses, count, call);
+                 }};
     state.listener = &listener_;
 }
 

@@ -1,6 +1,7 @@
 // Queues, sets and numbers that the stages build on, against those of the standard library or exact arithmetic.
 #include "src/core/base/disjoint_sets.hpp"
 #include "src/core/base/heap_sort.hpp"
+#include "src/applications/common/nearest_first_rounded.hpp"
 #include "src/core/base/nearest_first.hpp"
 #include "src/core/base/two_doubles.hpp"
 

@@ -1,5 +1,5 @@
 // The radix sort against std::stable_sort: falling keys of all 32 bits, equal ones in their order.
-#include "src/core/base/sort_keys.hpp"
+#include "src/applications/common/sort_keys.hpp"
 
 #include <gtest/gtest.h>
 

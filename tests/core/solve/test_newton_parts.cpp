@@ -20,6 +20,7 @@
 #include "src/applications/parameterize/seams.hpp"
 #include "src/core/extreme/fraction.hpp"
 #include "src/core/solve/twisted_model.hpp"
+#include "support/check_mesh.hpp"
 #include "support/make_mesh.hpp"
 
 namespace test_newton_parts {

@@ -1,9 +1,12 @@
-// Structural invariants of the edge-index mesh.
-#include "mesh.hpp"
+// Every structural invariant of the edge-index mesh.
+#pragma once
+
+#include "../../src/core/mesh/mesh.hpp"
 
 namespace hmf {
 
-const char* check(const Mesh& mesh) {
+// NULL, or a sentence that says what is wrong.
+inline const char* check(const Mesh& mesh) {
     if (mesh.vertex_count == 0 || mesh.edge_count == 0 || mesh.face_count == 0) return "a count is zero";
     const uint32_t sides = 2 * mesh.edge_count;
     if (sides != 3 * mesh.face_count) return "the numbers of edges and faces do not fit together";

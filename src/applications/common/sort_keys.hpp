@@ -1,7 +1,7 @@
 // Stable radix sort of items by falling keys, in linear time.
 #pragma once
 
-#include "memory.hpp"
+#include "../../core/base/memory.hpp"
 
 namespace hmf {
 
