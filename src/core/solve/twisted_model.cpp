@@ -133,7 +133,7 @@ Done TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
         if (!find_tripods(f, rings, u)) return false;
         index[u] = 0;
         if (!regular) {
-            if (balanced) fix(rings, u);
+            if (balanced && f.mesh.is_marked(u)) fix(rings, u);
             else fix_zero(rings, u);
             continue;
         }

@@ -149,6 +149,23 @@ TEST(Extremes, VertexOfTooHighDegree) {
     EXPECT_EQ(solve(hierarchy, &loops, options).status, HMF_OK);
 }
 
+// Polygons of many corners, some of which come to lie at the pole of a marked vertex and have to leave it.
+TEST(Extremes, VerticesLeaveThePoleOfAMarkedVertex) {
+    for (const uint32_t corners : {1160u, 2000u, 3200u}) {
+        SCOPED_TRACE(corners);
+        const uint32_t marks[4] = {0, corners / 4, corners / 2, 3 * corners / 4};
+        hmf_hierarchy_options build{};
+        build.struct_size = sizeof build;
+        build.marked_vertices = marks;
+        build.marked_count = 4;
+        const Hierarchy hierarchy(fan_polygon(corners), build);
+        ASSERT_TRUE(hierarchy);
+        const Solution outcome = run(hierarchy);
+        EXPECT_EQ(outcome.status, HMF_OK);
+        EXPECT_LE(outcome.report.residual_max, 1e-8);
+    }
+}
+
 // The unit of the values becomes finer where steps do not help.
 TEST(Extremes, NeedlesNeedAFinerUnitAndNotMoreSteps) {
     const Hierarchy hierarchy(with_needles(torus(14, 8, 3, 1), 1e-7));
