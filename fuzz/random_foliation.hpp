@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "../src/core/foliation/whitehead.hpp"
+#include "../tests/support/check_mesh.hpp"
 #include "bytes.hpp"
 
 namespace fuzz {
