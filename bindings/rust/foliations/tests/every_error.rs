@@ -27,15 +27,15 @@ fn octahedron() -> Mesh {
     (positions, triangles)
 }
 
-/// A torus that intersects itself.
-fn spindle() -> Mesh {
+/// A torus that goes around twice, through itself.
+fn wound_torus() -> Mesh {
     const N: u32 = 12;
     let at = |i: u32, j: u32| N * (i % N) + j % N;
     let angle = |k: f64| std::f64::consts::TAU * k / f64::from(N);
     let point = |k: u32| {
         let (a, b) = (angle(f64::from(k / N)), angle(f64::from(k % N) + 0.3));
-        let r = 1.0 + 2.0 * b.cos();
-        [r * a.cos(), r * a.sin(), 2.0 * b.sin()]
+        let r = 3.0 + 0.5 * a.cos() + 0.6 * b.cos();
+        [r * (2.0 * a).cos(), r * (2.0 * a).sin(), 0.6 * b.sin() + 0.15 * a.sin()]
     };
     let square = |k: u32| {
         let (i, j) = (k / N, k % N);
@@ -146,7 +146,7 @@ fn meshes(walk: &mut Walk) {
     walk.fails(Hierarchy::builder().build_flat(&[0.0; 4], &[0, 1, 2]));
     walk.fails(Hierarchy::builder().components(&positions[1..], &triangles));
     walk.fails(Hierarchy::build(&positions, &triangles).unwrap().loops(0, LoopsKind::Handle));
-    let (positions, triangles) = spindle();
+    let (positions, triangles) = wound_torus();
     walk.fails(Hierarchy::build(&positions, &triangles).unwrap().loops(0, LoopsKind::Handle));
 }
 
