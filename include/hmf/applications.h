@@ -555,7 +555,8 @@ typedef struct hmf_lines {
  * The foliation need not be harmonic.  For conjugate leaves it must be, as for
  * hmf_cylinders, otherwise HMF_ERROR_VALUE_NOT_HARMONIC.
  *
- * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 500.  For a bad point
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100 (HMF_ERROR_UNSUPPORTED for a
+ * vertex with too many neighbors, as in hmf_solve), 200, 500.  For a bad point
  * (HMF_ERROR_OPTIONS) error->index is its number.
  */
 HMF_API hmf_status hmf_trace(const hmf_foliation *foliation, const hmf_trace_options *options,
@@ -625,6 +626,7 @@ typedef struct hmf_cylinder_set {
  * surface counts, with half the height and area.
  *
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 400, 500;
+ * HMF_ERROR_UNSUPPORTED also for a vertex with too many neighbors, as in hmf_solve,
  * HMF_ERROR_VALUE_CLASS if the values do not belong to the loops,
  * HMF_ERROR_VALUE_NOT_HARMONIC if their energy is more than 1 % above the minimum.
  */
@@ -762,7 +764,8 @@ typedef struct hmf_chart_set {
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC, an error of classes 100,
  * 200, 500, or HMF_ERROR_UNSUPPORTED: on coarser levels of a surface with boundary; if the
  * margin is too large for the number of charts; or if a chart would be 1000 times as long
- * as the square, as with triangles of nearly zero area.
+ * as the square, or a cylinder too long for the integers in which it is laid out, as with
+ * triangles of nearly zero area.
  */
 HMF_API hmf_status hmf_atlas(const hmf_foliation *foliation, const hmf_atlas_options *options,
                              const hmf_control *control, hmf_chart_set **out, hmf_error *error);

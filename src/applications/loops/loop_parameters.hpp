@@ -33,7 +33,7 @@ constexpr size_t MOST_LOOPS = 16;                                               
 constexpr size_t FIRST_OF_TWO = 5;       // candidates for the first of two curves
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops around pairs of them
 constexpr size_t STATES_BY_LENGTH = 16;  // of a search with labels, per region, before edges are counted instead
-constexpr size_t MOST_STATES = 256;      // per region, then
+constexpr size_t MOST_STATES = 256;      // per region, where edges are counted
 constexpr double MOST_BUDGET = 32;       // so many times the work of the other loops without a loop: the search ends
 
 // Regions that all searches for one set of loops may settle: linear in the faces on large meshes. Then the best loops
@@ -41,8 +41,8 @@ constexpr double MOST_BUDGET = 32;       // so many times the work of the other 
 inline double search_budget(uint32_t faces) { return 5e6 + 12.0 * faces; }
 
 // ---- choice ----
-constexpr int CHOICE_ROUNDS =
-    8; // of measuring and choosing again, of one set or batch, and of shortening all of its loops
+// Of measuring and choosing again, of one set or batch, and of shortening all of its loops.
+constexpr int CHOICE_ROUNDS = 8;
 constexpr uint64_t CHOICE_STEPS = 100; // loops that are chosen again; of large sets half of the loops
 constexpr uint32_t MOST_OF_BATCH = 64; // loops of a cut system from one search: a bit for each
 // Pants from one search: one of so many that are left. Quick ones are not corrected by moves.
