@@ -38,6 +38,12 @@ double least_sine(const Point* p, const Point& n) {
     return worst > NO_SINE ? worst : std::min(worst, 0.0);
 }
 
+bool is_seen_from_behind(const SurfaceSearch& surface, const Point* p, const Point& n) {
+    const double room = LEEWAY * length_of(p[2] - p[0]);
+    if (!surface.is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, room)) return false;
+    return std::any_of(p, p + 4, [&](const Point& corner) { return surface.is_behind(corner, n, room); });
+}
+
 } // namespace
 
 double worst_corner(const QuadMesh& quads, size_t q, const SurfaceSearch* surface) {
@@ -45,9 +51,7 @@ double worst_corner(const QuadMesh& quads, size_t q, const SurfaceSearch* surfac
     for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
     const Point n = of_length_one(cross(p[2] - p[0], p[3] - p[1]));
     if (!(dot(n, n) > 0)) return -1;
-    const double room = LEEWAY * length_of(p[2] - p[0]);
-    if (surface && surface->is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, room)) return -1;
-    return least_sine(p, n);
+    return surface && is_seen_from_behind(*surface, p, n) ? -1 : least_sine(p, n);
 }
 
 Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
