@@ -77,23 +77,23 @@ hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const 
     return keep_boundary_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
 }
 
-// Tests whether poles at the ends of limbs, of the surface or of a flat piece, reduce the distortion. inside: only
-// those off the boundary, because a boundary curve with one marked vertex is a part that carries no quads. bare: the
-// design in out has such a part.
-class LimbTrial {
+// Tests whether poles at corners of the boundary, or at the ends of limbs, of the surface or of a flat piece, reduce the
+// distortion. Limbs also without those on the boundary, because a boundary curve with one marked vertex is a part that
+// carries no quads. bare: the design in out has such a part.
+class PoleTrial {
 public:
-    LimbTrial(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
+    PoleTrial(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
               Call& call) :
         like_(like),
         mesh_(mesh), build_(build), solves_(solves), call_(call) {}
 
-    hmf_status run(bool inside, EvenDesign& out, FoundLoops& loops, bool& bare) {
+    hmf_status run(MarksAt where, EvenDesign& out, FoundLoops& loops, bool& bare) {
         EvenDesign with;
         FoundLoops loops_with;
         Call inner(&call_); // what cannot be had is no error
         bool bare_with = false;
         taken = false;
-        if (find_marks(inside, inner, with.marks)
+        if (find_marks(where, inner, with.marks) || (where == MarksAt::corners && with.marks.empty())
             || design_with(like_, mesh_, build_, solves_, inner, with, loops_with, bare_with)) {
             if (inner.cancelled() || call_.cancelled()) return call_.was_cancelled();
             return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
@@ -113,10 +113,10 @@ public:
     bool on_boundary = false; // some of its marked vertices were there
 
 private:
-    hmf_status find_marks(bool inside, Call& call, Array<uint32_t>& marks) {
+    hmf_status find_marks(MarksAt where, Call& call, Array<uint32_t>& marks) {
         hmf_hierarchy scratch(like_, call_.memory);
-        if (marks_at_limbs(scratch, mesh_.positions, mesh_.vertex_count, static_cast<size_t>(build_.position_stride),
-                           mesh_.triangles, mesh_.triangle_count, build_, inside, call, marks))
+        if (marks_at(where, scratch, mesh_.positions, mesh_.vertex_count, static_cast<size_t>(build_.position_stride),
+                     mesh_.triangles, mesh_.triangle_count, build_, call, marks))
             return call.status();
         on_boundary = false;
         for (const uint32_t v : marks)
@@ -151,9 +151,11 @@ hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, co
     call.range(0.25, free ? 0.6 : 1);
     if (design_with(like, mesh, build, solves, call, out, loops, bare)) return call.status();
     call.range(0.6, 1);
-    LimbTrial limbs(like, mesh, build, solves, call);
-    if (free && limbs.run(false, out, loops, bare)) return call.status();
-    if (free && !limbs.taken && limbs.on_boundary && limbs.run(true, out, loops, bare)) return call.status();
+    PoleTrial poles(like, mesh, build, solves, call);
+    if (free && poles.run(MarksAt::corners, out, loops, bare)) return call.status();
+    if (free && !poles.taken && poles.run(MarksAt::limbs, out, loops, bare)) return call.status();
+    if (free && !poles.taken && poles.on_boundary && poles.run(MarksAt::limbs_inside, out, loops, bare))
+        return call.status();
     if (!(out.unevenness < HUGE_VAL))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                          "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");

@@ -13,26 +13,30 @@ constexpr double SHORT_BOUNDARY = 2;
 constexpr double CORNER_SHARP = 0.9, LEAST_TURN = 0.35; // sharpness of a corner: turns by 53 and 20 degrees
 constexpr double CORNER_NEAR = 0.1;                     // of the length of the boundary
 
-// The boundary of a disk in order, by the caller's numbers; h is its double.
-Done boundary_of_disk(const hmf_hierarchy& h, Array<uint32_t>& boundary, Call& call) {
+// Per vertex of the boundary the next one along it, else NONE, by the caller's numbers; h is the double of the surface.
+Done follow_boundary(const hmf_hierarchy& h, Array<uint32_t>& next, Call& call) {
     const size_t m = h.surface_triangles;
-    Array<uint32_t> next;
     if (!next.allocate_filled(call.memory, h.surface_vertices, NONE)) return false;
-    uint32_t first = NONE;
     for (size_t t = 0; t < m; ++t)
         for (size_t s = 0; s < 3; ++s) {
             // A side is its own image.
             if (h.triangle_edges[3 * t + s] != h.triangle_edges[3 * (m + t) + 2 - s]) continue;
-            const uint32_t v = h.triangle_vertices[3 * t + s];
-            next[v] = h.triangle_vertices[3 * t + (s + 1) % 3];
-            first = std::min(first, v);
+            next[h.triangle_vertices[3 * t + s]] = h.triangle_vertices[3 * t + (s + 1) % 3];
         }
+    return true;
+}
+
+// The curve of the boundary that begins at the first vertex from `first` on that is left in `next`, which loses it;
+// empty: there is none.
+Done take_curve(Array<uint32_t>& next, uint32_t& first, Array<uint32_t>& boundary, Call& call) {
     boundary.start(call.memory);
-    uint32_t v = first;
-    do {
+    while (first < next.size() && next[first] == NONE) ++first;
+    for (uint32_t v = first; v < next.size() && next[v] != NONE;) {
         if (!boundary.push(v)) return false;
-        v = next[v];
-    } while (v != first);
+        const uint32_t w = next[v];
+        next[v] = NONE;
+        v = w;
+    }
     return true;
 }
 
@@ -155,8 +159,9 @@ Done divide_boundary(const hmf_hierarchy& h, const Array<uint32_t>& boundary, co
 } // namespace
 
 Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call) {
-    Array<uint32_t> boundary;
-    if (!boundary_of_disk(h, boundary, call)) return false;
+    Array<uint32_t> next, boundary;
+    uint32_t first = 0;
+    if (!follow_boundary(h, next, call) || !take_curve(next, first, boundary, call)) return false;
     const Measures disk = measure_disk(h, boundary);
     if (boundary.size() < 4 || disk.length * disk.length < SHORT_BOUNDARY * disk.area) return true;
     Sharpness sharpness(h, boundary);
@@ -166,6 +171,24 @@ Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call)
     if (marks.size() == 4) return true;
     marks.clear();
     return divide_boundary(h, boundary, sharpness.of, disk, call.memory, marks);
+}
+
+Done corners_of_boundaries(const hmf_hierarchy& h, size_t most, Array<uint32_t>& marks, Call& call) {
+    Array<uint32_t> next, boundary;
+    uint32_t first = 0;
+    marks.start(call.memory);
+    if (!follow_boundary(h, next, call)) return false;
+    do {
+        if (!call.tick(0) || !take_curve(next, first, boundary, call)) return false;
+        Sharpness sharpness(h, boundary);
+        const size_t before = marks.size();
+        if (!sharpness.find(call.memory)) return false;
+        for (size_t k = 0; k < boundary.size(); ++k)
+            if (sharpness.of[k] > CORNER_SHARP && !marks.push(boundary[k])) return false;
+        if (marks.size() == before + 1) marks.pop();
+    } while (!boundary.empty());
+    if (marks.size() > most) marks.clear();
+    return true;
 }
 
 } // namespace hmf

@@ -1,4 +1,4 @@
-// Marked vertices for a disk if the caller has chosen none.
+// Where to mark the boundary of a surface if the caller has chosen no vertices: its corners.
 #pragma once
 
 #include "../../core/hierarchy/hierarchy.hpp"
@@ -10,5 +10,9 @@ namespace hmf {
 // hole.
 // h: of the double of the disk.
 Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call);
+
+// The sharp convex corners of all boundary curves that have more than one, each as curved as one pole; none if there
+// are more than `most`.
+Done corners_of_boundaries(const hmf_hierarchy& h, size_t most, Array<uint32_t>& marks, Call& call);
 
 } // namespace hmf

@@ -32,6 +32,7 @@ constexpr uint64_t MARKS_VERTICES = 4000; // of the level that is looked at
 constexpr uint32_t BASES = 32;            // points that distances are taken to
 constexpr double PERSISTENCE = 0.08;      // least, in mean distances
 constexpr size_t MOST_TIPS = 12;          // those of largest persistence
+constexpr size_t MOST_CORNERS = 24;       // of the boundary: a jagged one has no corners
 constexpr EdgeDistances::DiskLimit DISK{10, 4e-3, 1.2};
 
 struct MarkTip {
@@ -241,12 +242,16 @@ hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t verte
     return marks.empty() ? mark_limbs(h, Pairs::everywhere, call, marks) : HMF_OK;
 }
 
-hmf_status marks_at_limbs(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
-                          const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, bool inside,
-                          Call& call, Array<uint32_t>& marks) {
+hmf_status marks_at(MarksAt where, hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
+                    const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
+                    Array<uint32_t>& marks) {
     if (build_coarse(h, positions, vertex_count, stride, triangles, triangle_count, options, call))
         return call.status();
-    return mark_limbs(h, inside ? Pairs::inside_front : Pairs::of_front, call, marks);
+    if (where == MarksAt::corners) {
+        marks.start(call.memory);
+        return !h.is_double() || corners_of_boundaries(h, MOST_CORNERS, marks, call) ? HMF_OK : call.stopped();
+    }
+    return mark_limbs(h, where == MarksAt::limbs ? Pairs::of_front : Pairs::inside_front, call, marks);
 }
 
 } // namespace hmf
