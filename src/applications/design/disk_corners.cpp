@@ -12,6 +12,7 @@ namespace {
 constexpr double SHORT_BOUNDARY = 2;
 constexpr double CORNER_SHARP = 0.9, LEAST_TURN = 0.35; // sharpness of a corner: turns by 53 and 20 degrees
 constexpr double CORNER_NEAR = 0.1;                     // of the length of the boundary
+constexpr double JAGS = 3; // mean edges of a boundary to both sides, over which its turns are seen: jags are no corners
 
 // Per vertex of the boundary the next one along it, else NONE, by the caller's numbers; h is the double of the surface.
 Done follow_boundary(const hmf_hierarchy& h, Array<uint32_t>& next, Call& call) {
@@ -40,7 +41,8 @@ Done take_curve(Array<uint32_t>& next, uint32_t& first, Array<uint32_t>& boundar
     return true;
 }
 
-// How sharp a boundary turns at each of its vertices: | a + b | of the directions a and b to both neighbors,
+// How sharp a boundary turns at each of its vertices: | a + b | of the directions a and b to its neighbors, or to the
+// vertices at the distance of some mean edges along the boundary,
 //
 //     a     b      0: straight, 1.41: a corner of 90 degrees; 0 also where the
 //      \___/       surface lies outside of the angle
@@ -49,7 +51,7 @@ class Sharpness {
 public:
     Sharpness(const hmf_hierarchy& h, const Array<uint32_t>& boundary) : h_(h), boundary_(boundary) {}
 
-    Done find(Memory& memory) {
+    Done find(double edges, Memory& memory) {
         const size_t n = boundary_.size();
         Array<uint32_t> place;
         if (!place.allocate_filled(memory, h_.surface_vertices, NONE) || !of.allocate(memory, n)
@@ -58,8 +60,22 @@ public:
         for (size_t k = 0; k < n; ++k) place[boundary_[k]] = static_cast<uint32_t>(k);
         for (size_t t = 0; t < h_.surface_triangles; ++t)
             for (size_t s = 0; s < 3; ++s) add_inward(place, t, s);
+        double length = 0;
+        for (size_t k = 0; k < n; ++k) length += edge(k);
+        reach_ = 0;
         for (size_t k = 0; k < n; ++k) of[k] = measure(k);
+        reach_ = edges * length / static_cast<double>(n);
+        for (size_t k = 0; k < n && edges > 0; ++k) of[k] = std::min(of[k], measure(k));
         return true;
+    }
+
+    // Sharp, and as sharp as any vertex within reach: the first of those that are.
+    bool is_corner(size_t k) const {
+        const size_t n = of.size(), first = walk(k, n - 1), last = walk(k, 1);
+        bool sharpest = of[k] > CORNER_SHARP;
+        for (size_t i = first; sharpest && i != k; i = (i + 1) % n) sharpest = of[i] < of[k];
+        for (size_t i = k; sharpest && i != last; i = (i + 1) % n) sharpest = of[(i + 1) % n] <= of[k];
+        return sharpest;
     }
 
     Array<double> of; // in the order of the boundary
@@ -74,10 +90,28 @@ private:
             inward_[size_t{3} * k + static_cast<size_t>(c)] +=
                 at(triangle[(s + 1) % 3])[c] + at(triangle[(s + 2) % 3])[c] - 2 * at(triangle[s])[c];
     }
-    double measure(size_t k) const {
+    double edge(size_t k) const {
+        const double *a = at(boundary_[k]), *b = at(boundary_[(k + 1) % boundary_.size()]);
+        double square = 0;
+        for (int c = 0; c < 3; ++c) square += (b[c] - a[c]) * (b[c] - a[c]);
+        return std::sqrt(square);
+    }
+    // The vertex within reach of k, one at least and less than half around; step: 1 ahead, or the number of all less 1.
+    size_t walk(size_t k, size_t step) const {
         const size_t n = boundary_.size();
-        const double *v = at(boundary_[k]), *ends[2] = {at(boundary_[(k + n - 1) % n]), at(boundary_[(k + 1) % n])};
-        double sum[3] = {0, 0, 0}, square = 0, along = 0;
+        double length = 0;
+        for (size_t steps = 0; steps == 0 || (length < reach_ && 2 * steps + 2 < n); ++steps) {
+            length += edge(step == 1 ? k : (k + step) % n);
+            k = (k + step) % n;
+        }
+        return k;
+    }
+    double measure(size_t k) const {
+        const size_t n = boundary_.size(), first = walk(k, n - 1), last = walk(k, 1);
+        const double *v = at(boundary_[k]), *ends[2] = {at(boundary_[first]), at(boundary_[last])};
+        double sum[3] = {0, 0, 0}, inward[3] = {0, 0, 0}, square = 0, along = 0;
+        for (size_t i = (first + 1) % n; i != last; i = (i + 1) % n)
+            for (size_t c = 0; c < 3; ++c) inward[c] += inward_[3 * i + c];
         for (const double* end : ends) {
             double length = 0;
             for (int c = 0; c < 3; ++c) length += (end[c] - v[c]) * (end[c] - v[c]);
@@ -85,7 +119,7 @@ private:
         }
         for (size_t c = 0; c < 3; ++c) {
             square += sum[c] * sum[c];
-            along += sum[c] * inward_[3 * k + c];
+            along += sum[c] * inward[c];
         }
         return along > 0 ? std::sqrt(square) : 0;
     }
@@ -93,6 +127,7 @@ private:
     const hmf_hierarchy& h_;
     const Array<uint32_t>& boundary_;
     Array<double> inward_; // of each vertex, to the middle of its triangles
+    double reach_ = 0;
 };
 
 struct Measures {
@@ -165,7 +200,7 @@ Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call)
     const Measures disk = measure_disk(h, boundary);
     if (boundary.size() < 4 || disk.length * disk.length < SHORT_BOUNDARY * disk.area) return true;
     Sharpness sharpness(h, boundary);
-    if (!sharpness.find(call.memory)) return false;
+    if (!sharpness.find(0, call.memory)) return false;
     for (size_t k = 0; k < boundary.size(); ++k)
         if (sharpness.of[k] > CORNER_SHARP && !marks.push(boundary[k])) return false;
     if (marks.size() == 4) return true;
@@ -178,15 +213,16 @@ Done corners_of_boundaries(const hmf_hierarchy& h, size_t most, Array<uint32_t>&
     uint32_t first = 0;
     marks.start(call.memory);
     if (!follow_boundary(h, next, call)) return false;
-    do {
+    for (;;) {
         if (!call.tick(0) || !take_curve(next, first, boundary, call)) return false;
+        if (boundary.empty()) break;
         Sharpness sharpness(h, boundary);
         const size_t before = marks.size();
-        if (!sharpness.find(call.memory)) return false;
+        if (!sharpness.find(JAGS, call.memory)) return false;
         for (size_t k = 0; k < boundary.size(); ++k)
-            if (sharpness.of[k] > CORNER_SHARP && !marks.push(boundary[k])) return false;
+            if (sharpness.is_corner(k) && !marks.push(boundary[k])) return false;
         if (marks.size() == before + 1) marks.pop();
-    } while (!boundary.empty());
+    }
     if (marks.size() > most) marks.clear();
     return true;
 }
