@@ -257,8 +257,8 @@ typedef struct hmf_design {
  * Tips of limbs (protrusions) that no loop goes around may be marked, because the scale
  * decays there.  The loops are those of HMF_LOOPS_PANTS or HMF_LOOPS_CUT on the surface
  * with its marked vertices, without those of weight 0.  On a surface with boundary, the
- * marked vertices are those of options->build; if there are none, those of hmf_suggest_marks;
- * if these are none either, tips of limbs, each only if the mark makes the scale more even.
+ * marked vertices are those of options->build; if there are none, those of hmf_suggest_marks,
+ * or the sharp corners of the boundary or tips of limbs, if these make the scale more even.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found, or an error
  * of hmf_hierarchy_create.

@@ -1,6 +1,7 @@
 // The even design of a surface with boundary: the caller's marked vertices, or else
-// the suggested ones (corners of a disk; none on other surfaces) or pairs at the tips
-// of limbs; the pants loops of the surface, and weights for these.
+// the suggested ones (corners of a disk; none on other surfaces), the sharp corners of
+// the boundary or pairs at the tips of limbs; the pants loops of the surface, and
+// weights for these.
 #pragma once
 
 #include "../loops/surface_loops.hpp"
