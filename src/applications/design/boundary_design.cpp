@@ -77,7 +77,7 @@ hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const 
     return keep_boundary_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
 }
 
-// Tests whether poles at corners of the boundary, or at the ends of limbs, of the surface or of a flat piece, reduce the
+// Tests whether poles at corners of the boundary or at the ends of limbs, of the surface or of a flat piece, reduce the
 // distortion. Limbs also without those on the boundary, because a boundary curve with one marked vertex is a part that
 // carries no quads. bare: the design in out has such a part.
 class PoleTrial {

@@ -12,12 +12,11 @@ namespace hmf {
                                        size_t position_stride, const uint32_t* triangles, size_t triangle_count,
                                        const BuildOptions& options, Call& call, Array<uint32_t>& marks);
 
-// On a surface of any kind: the sharp corners of the boundary, the pairs at the tips of limbs, or those off the boundary.
+// On a surface of any kind: the sharp corners of the boundary, pairs at the tips of limbs, or those off the boundary.
 enum class MarksAt { corners, limbs, limbs_inside };
-[[nodiscard]] hmf_status marks_at(MarksAt where, hmf_hierarchy& hierarchy, const double* positions,
-                                  size_t vertex_count, size_t position_stride, const uint32_t* triangles,
-                                  size_t triangle_count, const BuildOptions& options, Call& call,
-                                  Array<uint32_t>& marks);
+[[nodiscard]] hmf_status marks_at(MarksAt where, hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                                  size_t position_stride, const uint32_t* triangles, size_t triangle_count,
+                                  const BuildOptions& options, Call& call, Array<uint32_t>& marks);
 
 // The tips of the limbs of a mesh, at least two, longest limbs first.  ends: two
 // vertices for each, far enough from the tip for a limb that tapers, or NONE.

@@ -25,8 +25,8 @@ private:
 };
 
 // The least sine of its corners, as seen along its normal (of the diagonals).  With `surface` it is at most 0 where the
-// quad is seen from behind: the surface near its middle, and near one of its corners, looks the other way.  The middle
-// alone says little of a quad across a limb or a ridge: it lies off the surface, and the other side may be nearer.
+// quad is seen from behind: the surface near its middle and near a corner looks the other way.  The middle alone lies
+// off the surface where a quad is as wide as a limb.
 double worst_corner(const QuadMesh& quads, size_t q, const SurfaceSearch* surface = nullptr);
 
 // The quads around each vertex.
