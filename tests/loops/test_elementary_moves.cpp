@@ -154,7 +154,7 @@ TEST(PantsComponents, HaveTheirHolesAndHandles) {
             EXPECT_EQ(holes(half), taken + 2);
             hmf::HoleJoins joins(surface.mesh(), length);
             hmf::Array<hmf::HoleJoins::Join> found;
-            ASSERT_TRUE(joins.find(half.surface, half.is_hole, HUGE_VAL, found, surface.call));
+            ASSERT_TRUE(joins.find(half.surface, half.is_hole, found, surface.call));
             EXPECT_EQ(found.empty(), taken == 1); // three holes are a pair of pants
             for (const hmf::HoleJoins::Join& join : found) EXPECT_NE(join.hole[0], join.hole[1]);
         }

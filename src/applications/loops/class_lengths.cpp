@@ -10,6 +10,9 @@
 
 namespace hmf {
 
+// Per axis, in CLOSE.
+static constexpr double TILT[3] = {1, 0.6, 0.4};
+
 ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care) :
     hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, found)), position_(hierarchy.levels[found].position),
     call_(call), care_(care), found_(found), level_(found), geodesic_(mesh_, position_, 0, call),
@@ -47,7 +50,7 @@ void ClassLengths::measure_extent() {
             if (v == 0 || x < lowest_[a]) lowest_[a] = x;
             if (v == 0 || x > highest[a]) highest[a] = x;
         }
-    for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? TILT[a] / (highest[a] - lowest_[a]) : 0;
+    for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? CLOSE * TILT[a] / (highest[a] - lowest_[a]) : 0;
 }
 
 Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
@@ -55,32 +58,18 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
-    if (!geodesic.straighten(loop_, STRAIGHTENINGS, c.length)) return false;
-    // Mean place of the curve.
-    const Array<double>& shares = geodesic.shares();
-    const auto crossing = [&](size_t i, double* to) {
-        const uint32_t h = loop_[i];
-        const double* const from = position + 3 * size_t{mesh.origin[h]};
-        const double* const end = position + 3 * size_t{mesh.target(h)};
-        for (size_t a = 0; a < 3; ++a)
-            to[a] = (1 - shares[i]) * (from[a] / geodesic.scale()) + shares[i] * (end[a] / geodesic.scale());
-    };
-    double before[3], here[3], sum = 0, total = 0;
-    crossing(loop_.size() - 1, before);
-    for (size_t i = 0; i < loop_.size(); ++i) {
-        crossing(i, here);
-        double square = 0, place = 0;
+    if (!geodesic.straighten(loop_, MOST_REPEATS, c.length)) return false;
+    // In the tilted metric, by the mean place of the edges that it crosses.
+    double sum = 0;
+    for (const uint32_t h : loop_)
         for (size_t a = 0; a < 3; ++a) {
-            square += (here[a] - before[a]) * (here[a] - before[a]);
-            place += tilt_[a] * ((here[a] + before[a]) / 2 - lowest_[a]);
-            before[a] = here[a];
+            const double ends = position[3 * size_t{mesh.origin[h]} + a] / geodesic.scale()
+                              + position[3 * size_t{mesh.target(h)} + a] / geodesic.scale();
+            sum += tilt_[a] * (ends / 2 - lowest_[a]);
         }
-        sum += std::sqrt(square) * place;
-        total += std::sqrt(square);
-    }
     const double n_left = static_cast<double>(loop_.size());
-    c.doubt = DOUBT_ROUND / (n_left * n_left);
-    if (total > 0) c.length *= 1 + sum / total;
+    c.doubt = ROUND_DOUBT / (n_left * n_left);
+    c.length *= 1 + sum / n_left;
     return true;
 }
 
@@ -108,17 +97,16 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         known.length = strip;
         return !is_new || classes_.push(known);
     }
-    if (!is_new && !(strip < classes_[id].strip * (1 - OTHER_CLASS))) {
-        // Another strip of a class may lead to another of its geodesics.  A shorter one is always pulled.  Of the
-        // others the first ones are, unless half of one is the same; with marked vertices, on which they may hang,
-        // unless all of it is.
-        const bool marked = mesh_.marked_count > 0;
+    if (!is_new && !(strip < classes_[id].strip * (1 - CLOSE))) {
+        // Another strip of a class may lead to another of its geodesics, unless it is the same one: some hang on marked
+        // vertices, others are separated by bumps.
         const Class& c = classes_[id];
+        const size_t most = mesh_.marked_count > 0 ? CANDIDATES : STARTS;
         size_t met = 0;
         ++visit_;
         for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
         for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
-        if (c.starts >= (marked ? MOST_MARKED_STARTS : MOST_STARTS) || (marked ? met == n : 2 * met >= n)) return true;
+        if (c.starts >= most || met == n) return true;
     }
     Class made{};
     made.starts = 1;
@@ -128,7 +116,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         Class& c = classes_[id];
         if (c.starts < UINT8_MAX) ++c.starts;
         c.strip = std::min(c.strip, strip);
-        if (c.stage != made.stage && made.length < c.found * (1 - OTHER_CLASS)) { // a longer one was measured
+        if (c.stage != made.stage && made.length < c.found * (1 - CLOSE)) { // a longer one was measured
             c.stage = made.stage;
             c.length = HUGE_VAL;
             c.wanted = true;
@@ -196,15 +184,12 @@ bool ClassLengths::may_be_shorter(const uint32_t* ids, const uint32_t* others, s
 
 Done ClassLengths::measure(bool& changed) {
     changed = false;
-    for (int stage = 0; stage < 2; ++stage)
-        if (!measure_stage(stage == 0 ? Stage::found : Stage::measured, changed)) return false;
-    return true;
+    return measure_stage(Stage::found, changed) && measure_stage(Stage::measured, changed);
 }
 
 // The classes at a stage, for the next stage.
 Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     const size_t finest = stage == Stage::found ? level_ : finest_;
-    const Stage reached = finest == finest_ ? Stage::done : Stage::measured;
     Loops loops;
     Array<uint32_t> ids;
     ids.start(call_.memory);
@@ -244,7 +229,7 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         if (!last && !carrier.replace(pulled)) return false;
     }
     for (const uint32_t id : ids) {
-        classes_[id].stage = reached;
+        classes_[id].stage = finest == finest_ ? Stage::done : Stage::measured;
         classes_[id].wanted = false;
     }
     return true;

@@ -57,7 +57,10 @@ public:
     Done measure(bool& changed);
 
 private:
-    enum Stage : uint8_t { found, measured, done }; // where: level_, finest_
+    enum Stage : uint8_t { found, measured, done }; // where: found_, level_, finest_
+    Stage stage_where_found() const {
+        return found_ == finest_ ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
+    }
     struct Class {
         uint64_t first, end; // its loop in crossings_, see pulled()
         double length;       // tilted
@@ -68,9 +71,6 @@ private:
         uint8_t starts; // strips that were pulled to it
         bool wanted;
     };
-    Stage stage_where_found() const {
-        return found_ == finest_ ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
-    }
     Done start();
     void measure_extent();
     Done measure_stage(Stage stage, bool& changed);

@@ -23,11 +23,9 @@ ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double 
     outside_.start(call.memory);
     around_.start(call.memory);
     detour_.start(call.memory);
-    share_.start(call.memory);
     best_.start(call.memory);
     pushed_.start(call.memory);
     tried_.start(call.memory);
-    best_share_.start(call.memory);
 }
 
 Done ClosedGeodesic::keep_lengths() { return edge_length_.allocate_filled(call_.memory, mesh_.edge_count, -1.0); }
@@ -132,14 +130,6 @@ double ClosedGeodesic::crossed_at(Point at, Point ahead, const Portal& p) {
     return std::min(std::max(share, 0.0), 1.0);
 }
 
-// Where the curve that was pulled from one point to the same one a period on crosses the edges in between.
-Done ClosedGeodesic::read_shares(Point from, Point to, size_t n) {
-    share_.clear();
-    for (size_t i = 0; i < n; ++i)
-        if (!share_.push(share_at(from, to, i))) return false;
-    return true;
-}
-
 // Is the angle outside the strip at a bend less than a half turn?  outside_:
 // the crossings on that side, in place of `count` ones from `first` on.
 Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, Point from, Point to, size_t& first,
@@ -184,7 +174,6 @@ Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, P
     if (g == end) return true;
     for (;;) {
         if (!outside_.push(g)) return false;
-        if (outside_.size() > n + MOST_MORE) return true;
         const uint32_t t = twin(g), ahead = left ? mesh_.next[t] : mesh_.prev(t);
         const uint32_t opposite = left ? mesh_.prev(t) : mesh_.next[t];
         if (ahead == end) break;
@@ -194,7 +183,7 @@ Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, P
         g = ahead;
     }
     if (!between(left ? portal_[j + 1].left : portal_[j + 1].right, after)) return true;
-    shorter = im > STRAIGHT || re > 0;
+    shorter = im > LITTLE || re > 0;
     return true;
 }
 
@@ -269,7 +258,7 @@ Done ClosedGeodesic::take_next(Array<uint32_t>& loop, bool& taken) {
 // One point of the curve is held while a period is pulled from there, another one, half a period away, the next time:
 // roughly first, and to the end if the curve is of interest.
 Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length, double interest) {
-    double little = LITTLE_HELD;
+    double little = CLOSE;
     Held held = {loop[0], 0.5};
     length = HUGE_VAL;
     for (size_t round = 0, still = 0;; ++round) {
@@ -291,14 +280,14 @@ Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
         if (!go_round(loop.data(), n, from, to, changed)) return false;
         still = now < length * (1 - little) ? 0 : still + 1;
         length = now;
-        if (still == 2 && little > GEODESIC_LITTLE && !(length > interest * (1 + BENT))) {
-            little = GEODESIC_LITTLE;
+        if (still == 2 && little > LITTLE && !(length > interest * (1 + CLOSE))) {
+            little = LITTLE;
             still = 0;
         }
         const bool ends = still == 2 || round + 1 == rounds;
         if (!ends) held = held_next(loop.data(), n, from, to);
         if (!ends && changed && !take_next(loop, taken)) return false;
-        if (ends || (changed && !taken)) return read_shares(from, to, n);
+        if (ends || (changed && !taken)) return true;
     }
 }
 
@@ -332,40 +321,40 @@ Done ClosedGeodesic::push_aside(const Array<uint32_t>& loop, bool left, bool& mo
 }
 
 Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, double& length) {
-    const auto copy = [](auto& to, const auto& from) -> Done {
+    const auto copy = [](Array<uint32_t>& to, const Array<uint32_t>& from) -> Done {
         to.clear();
         if (!to.reserve(from.size())) return false;
-        for (const auto x : from) to.add(x);
+        for (const uint32_t x : from) to.add(x);
         return true;
     };
-    if (!straighten(loop, rounds, length) || !copy(best_, loop) || !copy(best_share_, share_)) return false;
+    if (!straighten(loop, rounds, length) || !copy(best_, loop)) return false;
     for (int moves = 0; moves < CHOICE_ROUNDS;) {
         bool shorter = false;
         for (int side = 0; side < 2 && !shorter; ++side) {
             if (!copy(pushed_, best_)) return false;
             for (size_t k = 1; k <= MOST_ASIDE && !shorter; ++k) {
                 bool moved = false;
-                if (!push_aside(pushed_, side == 0, moved)) return false;
+                if (!push_aside(pushed_, side == 0, moved) || !call_.work(32 * next_.size())) return false;
                 if (!moved) break;
                 size_t begin = 0, end = 0;
                 remove_backtracking(next_, begin, end);
-                if (begin == end || end - begin > 4 * best_.size() + MOST_MORE) break;
+                if (begin == end || end - begin > 4 * best_.size() + CANDIDATES) break;
                 pushed_.clear();
                 for (size_t i = begin; i < end; ++i)
                     if (!pushed_.push(next_[i])) return false;
-                if (k != MIDWAY && k != MOST_ASIDE) continue;
+                if (k != MOST_ASIDE / 4 && k != MOST_ASIDE) continue;
                 double found = 0;
                 if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found, length)) return false;
-                if (!(found < length * (1 - GEODESIC_LITTLE))) continue;
+                if (!(found < length * (1 - LITTLE))) continue;
                 shorter = found < length * (1 - SAME);
                 length = found;
-                if (!copy(best_, tried_) || !copy(best_share_, share_)) return false;
+                if (!copy(best_, tried_)) return false;
             }
         }
         if (!shorter) break;
         ++moves;
     }
-    return copy(loop, best_) && copy(share_, best_share_);
+    return copy(loop, best_);
 }
 
 } // namespace hmf

@@ -51,9 +51,6 @@ public:
 
     double scale() const { return scale_; }
 
-    // Of the last loop: where the curve crosses its edges, 0 at the origin of the half-edge, 1 at its target.
-    const Array<double>& shares() const { return share_; }
-
 private:
     struct Point {
         double x, y;
@@ -61,12 +58,10 @@ private:
     struct Portal {
         Point left, right;
     };
-    struct Held { // a point of the curve, on an edge that it crosses: see shares()
+    struct Held { // a point of the curve, on an edge that it crosses
         uint32_t crossing;
-        double share;
+        double share; // 0 at the origin of the half-edge, 1 at its target
     };
-
-    Done read_shares(Point from, Point to, size_t n);
 
     double edge_length(uint32_t edge) {
         if (edge_length_.empty()) return measure_edge(edge);
@@ -102,8 +97,6 @@ private:
     Array<uint32_t> detours_at_; // per crossing
     Array<uint32_t> next_, outside_, around_;
     Array<uint32_t> best_, pushed_, tried_;
-    Array<double> best_share_;
-    Array<double> share_;
     uint64_t work_ = 0;
 };
 

@@ -42,8 +42,8 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, const LoopCondition* condition, ClassLengths& lengths, RootReach reach, Call& call) :
-        mesh_(mesh), condition_(condition), lengths_(lengths), reach_(reach), call_(call), memory_(call.memory),
+    CutSystem(const Mesh& mesh, const LoopCondition* condition, ClassLengths& lengths, bool is_wide, Call& call) :
+        mesh_(mesh), condition_(condition), lengths_(lengths), is_wide_(is_wide), call_(call), memory_(call.memory),
         search_(cut_, length_, condition ? condition->label : nullptr, call) {}
 
     hmf_status run(const double* position, Loops& out) {
@@ -59,13 +59,11 @@ public:
         choice_.start(memory_);
         waits_.start(memory_);
         if (!out.start(memory_) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
-            || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0)
             || (!is_quick() && !test_.allocate(mesh_, memory_)))
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
-        const double usual = mesh_.face_count * (400 + 6.0 * wanted);
-        const double budget = std::min(usual, search_budget(mesh_.face_count));
+        const double budget = search_budget(mesh_.face_count);
         uint32_t k = 0;
         for (; k < wanted && is_permitted(k); ++k)
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();
@@ -86,7 +84,7 @@ public:
                 Choice& choice = choice_[k - fixed];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
-                if (steps + wanted - k > CHOICE_STEPS + wanted + wanted / 2) return HMF_OK;
+                if (steps + wanted - k > MOST_REPEATS + wanted + wanted / 2) return HMF_OK;
                 choice.taken = taken;
                 if (!go_back(k, fixed)) return call_.out_of_memory();
                 ++k;
@@ -111,8 +109,7 @@ private:
         if (!curves_.trace(mesh_, call_) || !cut_.build(mesh_, curves_, true, call_) || !signatures_.build(cut_, call_)
             || !prepare())
             return call_.stopped();
-        has_many_ = genus >= MANY_HANDLES && !condition_;
-        is_far_ = k + 1 == genus && has_many_;
+        is_last_ = k + 1 == genus && !condition_;
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
         // Labels of a surface that intersects itself may leave no simple loop, or only loops that wind many times.
@@ -124,9 +121,8 @@ private:
         if (!found_)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
                               "No further loop was found. Please report this.");
-        search_.read_bounds(face_bound_);
         if (!open_batch()) return call_.out_of_memory();
-        const uint32_t begin = k, end = k + std::min(std::max((genus - k) / 2, 1u), MOST_OF_BATCH);
+        const uint32_t begin = k, end = k + std::min(std::max((genus - k) / 2, 1u), LOOPS_OF_BATCH);
         bool changed = true;
         for (int time = 0; changed && time < CHOICE_ROUNDS; ++time) {
             if (time > 0 && !reopen_batch(begin)) return call_.out_of_memory();
@@ -194,7 +190,7 @@ private:
     // Of the candidates the one with the shortest class.  any: there is one, and none that waits is shorter.
     Done choose(bool& any) {
         const size_t first = ids_.size();
-        const size_t most = is_quick() ? 1 : CUT_CANDIDATES;
+        const size_t most = is_quick() ? 1 : CANDIDATES;
         double shortest = UNREACHED, waiting = UNREACHED;
         waits_.clear();
         for (size_t i = 0; i < candidates_.size() && ids_.size() < first + most; ++i) {
@@ -266,7 +262,6 @@ private:
         while (choice_.size() > size_t{k} - fixed + 1) choice_.pop();
         forget_ids(choice_.back().end);
         out_->keep_first(k);
-        for (double& bound : face_bound_) bound = 0;
         curves_.clear();
         const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
         return curves_.add(out_->crossings.data(), out_->crossings.size()) && add_taken(taken);
@@ -301,13 +296,11 @@ private:
         return sum == 0;
     }
 
-    // Searches in the new cut surface, with the bounds of the earlier ones.
     Done prepare() {
         if (!search_.prepare(signatures_, states_per_region_)
             || !visited_.allocate_filled(memory_, cut_.region_count, 0u))
             return false;
         visit_ = 0;
-        search_.raise_bounds(face_bound_);
         return true;
     }
 
@@ -363,7 +356,6 @@ private:
         by_count_ = true;
         states_per_region_ = 4;
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = 1;
-        for (uint32_t f = 0; f < mesh_.face_count; ++f) face_bound_[f] = 0;
     }
 
     // Candidates for the next loop; found_: there is one.
@@ -383,7 +375,7 @@ private:
                 break;
             // A loop that winds a lot needs more room in its covering.  Where short
             // ways in other directions use that up, each edge counts the same.
-            if (states_per_region_ < (by_count_ ? MOST_STATES : STATES_BY_LENGTH)) states_per_region_ *= 4;
+            if (states_per_region_ < MOST_STATES) states_per_region_ *= 4;
             else count_edges();
             if (!prepare()) return call_.out_of_memory();
         }
@@ -399,9 +391,10 @@ private:
     Done search_roots(double allowed) {
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= roots() * best_
-                || (found_ && search_.nearest_root(roots_[i].region) < CUT_APART * best_))
+                || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
                 continue;
             if (found_ ? static_cast<double>(search_.work()) >= allowed : exceeds_budget(allowed)) return true;
+            if (candidates_.size() >= PART_OF_BATCH * LOOPS_OF_BATCH) return true;
             if (search_.budget_exhausted() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == MOST_STATES))
                 return true;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
@@ -410,12 +403,14 @@ private:
         return true;
     }
 
-    double slack() const { return is_quick() ? 1 : is_far_ ? LAST_SLACK : SLACK; }
-    double roots() const { return is_far_ ? LAST_ROOTS : has_many_ && reach_ == RootReach::far ? WIDE_ROOTS : ROOTS; }
+    // Some handles are so narrow that strips around them are twice as long as they should be. Such a one comes last:
+    // its search reaches further, and leaves out less.
+    double slack() const { return is_quick() ? 1 : is_last_ ? SLACK * SLACK : SLACK; }
+    double roots() const { return is_last_ ? SLACK * SLACK : is_wide_ ? SLACK : ROOTS; }
 
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {
-        if (!search_.search(root, slack() * best_, is_far_ && found_ ? slack() * best_ : 0)) return false;
+        if (!search_.search(root, slack() * best_, is_last_ && found_ ? slack() * best_ : 0)) return false;
         for (size_t i = 0; i < search_.count(); ++i) {
             if (!search_.strip(i, try_)) return false;
             double total = 0;
@@ -468,7 +463,7 @@ private:
     const Mesh& mesh_;
     const LoopCondition* condition_; // or NULL
     ClassLengths& lengths_;
-    const RootReach reach_;
+    const bool is_wide_;
     Call& call_;
     Memory& memory_;
     Loops* out_ = nullptr; // the loops so far
@@ -480,9 +475,7 @@ private:
     size_t states_per_region_ = 4;
     uint64_t work_before_ = 0; // of the search, before this loop
     bool by_count_ = false;
-    bool has_many_ = false;    // handles
-    bool is_far_ = false;      // the search reaches further
-    Array<double> face_bound_; // of the loops through a face
+    bool is_last_ = false; // of the loops
     Array<Root> roots_, gate_;
     Array<uint32_t> visited_; // per region
     uint32_t visit_ = 0;
@@ -505,8 +498,8 @@ private:
 } // namespace
 
 hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition, ClassLengths& lengths,
-                      Call& call, Loops& out, RootReach reach) {
-    CutSystem system(mesh, condition, lengths, reach, call);
+                      Call& call, Loops& out, bool is_wide) {
+    CutSystem system(mesh, condition, lengths, is_wide, call);
     return system.run(position, out);
 }
 

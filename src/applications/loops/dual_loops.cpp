@@ -69,7 +69,7 @@ private:
         later.start(memory_);
         path.start(memory_);
         size_t passed = 0, i = 0;
-        for (; i < left_.size() && passed < DUAL_PASSES * cut_.region_count; ++i) {
+        for (; i < left_.size() && passed < CHOICE_ROUNDS * cut_.region_count; ++i) {
             const uint32_t k = left_[i];
             if (!cross_once(component_of_[made_ + i], static_cast<uint32_t>(i + 1), path, passed)
                 || !call_.work(64 * path.size()))

@@ -36,11 +36,10 @@ public:
     hmf_status run() {
         if (!start()) return call_.stopped();
         bool in_pairs = false;
-        for (int pass = 0;; ++pass) {
+        for (;;) {
             bool moved = false;
             const hmf_status status = components_.start(loops_, call_);
             if (status) return status;
-            if (pass == MOST_PASSES) break; // the components are those of the last moves
             moves_.clear();
             strips_.clear();
             if (!find_moves(in_pairs) || !measure() || !make_moves(moved)) return call_.stopped();
@@ -131,8 +130,8 @@ private:
     // Curves around two holes.
     Done find_joins(const Component& component) {
         const size_t begin = options_.size();
-        if (!joins_.find(component.surface, component.is_hole, MOVE_FURTHER, join_, call_)) return false;
-        for (size_t i = 0; i < join_.size() && options_.size() < begin + MOVE_CANDIDATES; ++i) {
+        if (!joins_.find(component.surface, component.is_hole, join_, call_)) return false;
+        for (size_t i = 0; i < join_.size() && options_.size() < begin + CANDIDATES; ++i) {
             const size_t first = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == first) continue;
@@ -149,12 +148,12 @@ private:
         cycles.clear();
         if (!signatures_.build_punctured(cut, component.is_hole, call_) || !search.prepare(signatures_, 1)
             || !search.find_cycles(
-                ROOTS, MOVE_APART, wanted, HUGE_VAL, [](uint32_t) { return true; }, [](uint64_t) { return true; }, best,
+                ROOTS, APART, wanted, HUGE_VAL, [](uint32_t) { return true; }, [](uint64_t) { return true; }, best,
                 links_, found_))
             return false;
         const size_t begin = options_.size();
         for (const Cycle& c : found_) {
-            if (cycles.size() == MOVE_CANDIDATES || c.length > std::max(SLACK * best, wanted)) break;
+            if (cycles.size() == CANDIDATES || c.length > std::max(SLACK * best, wanted)) break;
             const Strip strip = {strips_.size(), c.size};
             for (size_t k = c.first; k < c.first + c.size; ++k)
                 if (!strips_.push(cut.half_edge(links_[k]))) return false;
@@ -175,7 +174,7 @@ private:
             || (!has_handle(whole_.surface) && !find_joins(whole_)))
             return false;
         own_[k] = {0, 0};
-        double best = strip_length(k) * (1 - MOVE_LITTLE);
+        double best = strip_length(k) * (1 - SAME);
         for (const Option& o : options_) {
             const uint32_t* const strip = strips_.data() + o.strip.first;
             if (o.id != id_[k] || !(strip_length(strip, o.strip.size) < best)) continue;
@@ -211,9 +210,9 @@ private:
             }
         while (options_.size() > cycles) options_.pop();
         size_t tried = 0;
-        for (size_t i = 0; i < cycles && tried < FIRST_OF_TWO; ++i) {
+        for (size_t i = 0; i < cycles && tried < STARTS; ++i) {
             if (options_[i].id == id_[k] || options_[i].id == id_[l]) continue;
-            if (2 * lengths_.length(options_[i].id) > (length(k) + length(l)) * (1 + MARGIN)) continue;
+            if (2 * lengths_.length(options_[i].id) > (length(k) + length(l)) * (1 + DOUBT[0])) continue;
             ++tried;
             cycle_.clear();
             for (size_t n = cycles_[i].first; n < cycles_[i].first + cycles_[i].size; ++n)
@@ -235,7 +234,7 @@ private:
         const uint32_t old[2] = {id_[pair[0]], id_[pair[1]]}, ids[2] = {a.id, b.id};
         for (const uint32_t id : ids)
             if (id == old[0] || id == old[1]) return true; // one curve alone
-        const double most = (lengths_.length(old[0]) + lengths_.length(old[1])) * (1 + MARGIN);
+        const double most = (lengths_.length(old[0]) + lengths_.length(old[1])) * (1 + DOUBT[0]);
         if (a.id == b.id || lengths_.length(a.id) + lengths_.length(b.id) > most) return true;
         return !lengths_.may_be_shorter(ids, old, 2)
             || moves_.push({2, {pair[0], pair[1]}, {a.id, b.id}, {a.strip, b.strip}, 0});
@@ -269,7 +268,7 @@ private:
                 sum += length(m.curve[i]);
                 for (size_t left = 0; left < 2; ++left) free &= !taken[components_.pants(m.curve[i], left)];
             }
-            if (!(m.gain > MOVE_GAIN * sum)) continue;
+            if (!(m.gain > SAME * sum)) continue;
             if (free && !make(m, done)) return false;
             moved |= done;
             for (uint32_t i = 0; i < m.count; ++i) {
@@ -328,8 +327,7 @@ private:
         for (uint32_t k = 0; k < loops_.count(); ++k) {
             if (!call_.tick(0, true)) return false;
             bool done = false;
-            if (strip_length(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k]))
-                    < strip_length(k) * (1 - MOVE_LITTLE)
+            if (strip_length(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k])) < strip_length(k) * (1 - SAME)
                 && !pull_with_others(k, done))
                 return false;
             const uint32_t* const strip = own_strips_.data() + own_[k].first;
@@ -348,7 +346,7 @@ private:
         is_pulled[k] = 1;
         Loops two, changed;
         for (size_t i = 0; i < pulled.size(); ++i) {
-            if (i == MOST_TOGETHER) return true;
+            if (i == static_cast<size_t>(CHOICE_ROUNDS)) return true;
             const uint32_t id = id_[pulled[i]];
             ++stamp_;
             for (size_t x = 0; x < lengths_.pulled_size(id); ++x) stamped_[edge_of(lengths_.pulled(id)[x])] = stamp_;

@@ -19,16 +19,13 @@ class ClassLengths; // class_lengths.hpp
 // the lengths of the strips in which they are found.
 enum class LoopCare : uint8_t { shortest, quick };
 
-// Where loops are searched for: near the shortest strips or, for many handles, also where strips are half as long
-// again. This hardly shortens cut loops, but the choice among equally long ones with which pants begin does not depend
-// on the order of the vertices then.
-enum class RootReach : uint8_t { near, far };
-
 // genus many disjoint simple loops, jointly non-separating, each with the shortest
 // class that is found one after another.  position: 3 per vertex of the mesh.
-// condition: NULL for none.
+// condition: NULL for none.  is_wide: of many handles, with searches where strips are longer by SLACK.  This hardly
+// shortens cut loops, but the choice among equally long ones with which pants begin does not depend on the order of the
+// vertices then.
 [[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition,
-                                    ClassLengths& lengths, Call& call, Loops& out, RootReach reach = RootReach::near);
+                                    ClassLengths& lengths, Call& call, Loops& out, bool is_wide = false);
 // Measured on the mesh itself.
 [[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
 

@@ -2,6 +2,7 @@
 
 #include "../../core/base/heap_sort.hpp"
 #include "../../core/curves/loops.hpp"
+#include "loop_parameters.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,18 +39,17 @@ Done HoleJoins::go_round(uint32_t corner, Array<uint32_t>& walk) const {
     }
 }
 
-Done HoleJoins::find(const CutSurface& surface, const Array<uint8_t>& holes, double further, Array<Join>& found,
-                     Call& call) {
+Done HoleJoins::find(const CutSurface& surface, const Array<uint8_t>& holes, Array<Join>& found, Call& call) {
     surface_ = &surface;
     is_hole_ = &holes;
     found.start(call.memory);
-    if (!count_holes(call) || !spread(further, call) || !find_borders(found, call)) return false;
+    if (!count_holes(call) || !spread(call) || !find_borders(found, call)) return false;
     heap_sort(found.data(), found.size(), [](const Join& a, const Join& b) {
         if (a.length != b.length) return a.length < b.length;
         if (a.corner[0] != b.corner[0]) return a.corner[0] < b.corner[0];
         return a.corner[1] != b.corner[1] ? a.corner[1] < b.corner[1] : a.middle < b.middle;
     });
-    while (!found.empty() && found.back().length > further * found[0].length) found.pop();
+    while (!found.empty() && found.back().length > SLACK * found[0].length) found.pop();
     return true;
 }
 
@@ -72,7 +72,7 @@ Done HoleJoins::count_holes(Call& call) {
 }
 
 // The nearest hole of each region.
-Done HoleJoins::spread(double further, Call& call) {
+Done HoleJoins::spread(Call& call) {
     const size_t n = surface_->region_count;
     double least = HUGE_VAL;
     heap_.start(call.memory);
@@ -87,18 +87,18 @@ Done HoleJoins::spread(double further, Call& call) {
         least = std::min(least, around_[begin_of(k)]);
         if (!heap_.push({0, r})) return false;
     }
-    return grow_cells(least, further, call);
+    return grow_cells(least, call);
 }
 
 // The cells, from their holes. No path that is left is shorter than the next distance: it stops where that can make no
 // curve that is short enough. least: length of the shortest hole.
-Done HoleJoins::grow_cells(double least, double further, Call& call) {
+Done HoleJoins::grow_cells(double least, Call& call) {
     double best = HUGE_VAL;
     while (!heap_.empty()) {
         const NearestFirst::Entry top = heap_.pop();
         if (!call.work(64)) return false;
         if (top.distance > distance_[top.item]) continue;
-        if (2 * (least + top.distance) > further * best) break;
+        if (2 * (least + top.distance) > SLACK * best) break;
         for (uint32_t i = 0; i < 3; ++i) {
             const uint32_t link = surface_->link[3 * size_t{top.item} + i];
             if (link == NONE) break;

@@ -24,9 +24,9 @@ public:
         uint32_t corner[2]; // half-segments that begin at the holes, where the way begins and ends
         uint32_t middle;    // half-segment that the way crosses between the cells; NONE: the corners lie in one region
     };
-    // Shortest first, none longer than the first one by more than the factor `further`. In a piece with three holes
+    // Shortest first, none longer than the first one by more than the factor SLACK. In a piece with three holes
     // they would go around the third one, and there is none. holes: per point HoleKind.
-    Done find(const CutSurface& surface, const Array<uint8_t>& holes, double further, Array<Join>& found, Call& call);
+    Done find(const CutSurface& surface, const Array<uint8_t>& holes, Array<Join>& found, Call& call);
     // Holes of the piece in which a region lies.
     uint32_t holes_around(uint32_t region) { return holes_[find_root(piece_.data(), region)]; }
     // The half-edges that the curve crosses, at the end of strip.
@@ -39,8 +39,8 @@ private:
     double measure_round(uint32_t corner) const;
     bool is_joined(uint32_t point) const { return (*is_hole_)[point] == HOLE_JOINED; }
     Done count_holes(Call& call);
-    Done spread(double further, Call& call);
-    Done grow_cells(double least, double further, Call& call);
+    Done spread(Call& call);
+    Done grow_cells(double least, Call& call);
     Done find_borders(Array<Join>& found, Call& call);
     Join contact(uint32_t segment) const;
     Done go_round(uint32_t corner, Array<uint32_t>& walk) const;

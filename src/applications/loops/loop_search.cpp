@@ -116,32 +116,19 @@ Done LoopSearch::search(uint32_t root, double limit, double kept) {
     return true;
 }
 
-// The shortest for each signature, sorted by length; MOST_LOOPS of them.
+// The shortest for each signature, sorted by length; CANDIDATES of them.
 Done LoopSearch::keep(const Closing& closing) {
     size_t i = 0;
     while (i < closings_.size() && closings_[i].signature != closing.signature) ++i;
     if (i < closings_.size()) {
         if (!(closing.length < closings_[i].length)) return true;
-    } else if (i < MOST_LOOPS) {
+    } else if (i < CANDIDATES) {
         if (!closings_.push(closing)) return false;
     } else if (closing.length < closings_[--i].length) {
     } else return true;
     for (; i > 0 && closing.length < closings_[i - 1].length; --i) closings_[i] = closings_[i - 1];
     closings_[i] = closing;
     return true;
-}
-
-void LoopSearch::raise_bounds(const Array<double>& face_bound) {
-    for (size_t f = 0; f < face_bound.size(); ++f)
-        for (uint32_t r = cut_.region_first[f]; r < end_of_face(f); ++r) raise_bound(r, face_bound[f]);
-}
-
-void LoopSearch::read_bounds(Array<double>& face_bound) const {
-    for (size_t f = 0; f < face_bound.size(); ++f) {
-        face_bound[f] = bound_[cut_.region_first[f]];
-        for (uint32_t r = cut_.region_first[f]; r < end_of_face(f); ++r)
-            face_bound[f] = std::min(face_bound[f], bound_[r]);
-    }
 }
 
 // The cycle of a link in the search tree:  root ---- o===state

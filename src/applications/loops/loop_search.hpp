@@ -12,8 +12,7 @@
 //
 // A search bounds the loops through all regions that it reached: if
 // none through the root is shorter than L, none through a region at distance d
-// is shorter than L - 2 d.  Regions whose bound exceeds the wanted length are not entered.  Loops only get longer as
-// the surface is cut, so bounds stay.
+// is shorter than L - 2 d.  Regions whose bound exceeds the wanted length are not entered.
 #pragma once
 
 #include "../../core/base/heap_sort.hpp"
@@ -88,9 +87,6 @@ public:
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
     // Of the nearest root of a search since prepare: its loops are like those through the region.
     double nearest_root(uint32_t region) const { return nearest_root_[region]; }
-    // Bounds by face, from one cut to the next: loops only get longer.
-    void raise_bounds(const Array<double>& face_bound);
-    void read_bounds(Array<double>& face_bound) const;
     uint64_t work() const { return work_; }                     // regions settled
     bool budget_exhausted() const { return budget_exhausted_; } // the states did not suffice, since prepare()
 
@@ -119,9 +115,6 @@ private:
 
     Done keep(const Closing& closing);
     void raise_bound(uint32_t region, double length) { bound_[region] = std::max(bound_[region], length); }
-    uint32_t end_of_face(size_t f) const {
-        return f + 1 < cut_.region_first.size() ? cut_.region_first[f + 1] : cut_.region_count;
-    }
     uint32_t find_state(uint32_t region, uint64_t label, bool make);
     uint64_t label_after(uint64_t label, uint32_t half_segment) const {
         const uint64_t add = edge_label_[cut_.segment_edge[half_segment >> 1]];

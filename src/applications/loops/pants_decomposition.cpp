@@ -48,8 +48,7 @@ public:
 
     hmf_status run() {
         if (!curves_.allocate(mesh_, memory_) || !test_.allocate(mesh_, memory_)
-            || !length_.allocate(memory_, mesh_.edge_count)
-            || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0))
+            || !length_.allocate(memory_, mesh_.edge_count))
             return call_.out_of_memory();
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
@@ -95,7 +94,7 @@ private:
         allowed_ = search_budget(mesh_.face_count) * (0.3 + 0.7 * made / static_cast<double>(wanted_ - given_));
         const size_t first_loop = loops_.count();
         if (cut()) return call_.status();
-        if (!joins_.find(cut_, holes_, PANTS_FURTHER, join_, call_)) return call_.stopped();
+        if (!joins_.find(cut_, holes_, join_, call_)) return call_.stopped();
         if (join_.empty())
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
                               "No further loop was found. Please report this.");
@@ -109,7 +108,7 @@ private:
             Choice& choice = choice_[k];
             const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
             if (taken == choice.taken) continue;
-            if (steps_ + choice_.size() - k > CHOICE_STEPS + choice_.size() + choice_.size() / 2) break;
+            if (steps_ + choice_.size() - k > MOST_REPEATS + choice_.size() + choice_.size() / 2) break;
             choice.taken = taken;
             while (choice_.size() > k + 1) choice_.pop();
             while (ids_.size() > choice_.back().end) {
@@ -117,7 +116,6 @@ private:
                 strip_.pop();
             }
             loops_.keep_first(given_ + k);
-            for (double& bound : face_bound_) bound = 0;
             return take_last() ? HMF_OK : call_.stopped();
         }
         return HMF_OK;
@@ -143,12 +141,12 @@ private:
     // cut system (loop_search.hpp).
     Done find_cycles() {
         cycles_.clear();
-        if (marks_only_ && mesh_.marked_count > MOST_PAIRED_MARKS) return true;
+        if (marks_only_ && mesh_.marked_count > CANDIDATES) return true;
         if (!signatures_.build_holes(cut_, holes_, call_) || !search_.prepare(signatures_, 1)) return false;
-        search_.raise_bounds(face_bound_);
         if (marks_only_ && !find_mark_words()) return false;
-        const bool sphere = lengths_.is_sphere();
-        const double roots = sphere ? ROOTS_OF_SPHERE : ROOTS, apart = sphere ? APART_ON_SPHERE : PANTS_APART;
+        // On a sphere a class has many closed geodesics, some of which hang on marked vertices: more searches.
+        const double roots = lengths_.is_sphere() ? SLACK : ROOTS,
+                     apart = lengths_.is_sphere() ? APART_ON_SPHERE : APART;
         double best = HUGE_VAL;
         if (!shortest_strip(best)) return false;
         const size_t first = strips_.size();
@@ -158,7 +156,6 @@ private:
                 cycles_))
             return false;
         for (size_t i = first; i < strips_.size(); ++i) strips_[i] = cut_.half_edge(strips_[i]);
-        search_.read_bounds(face_bound_);
         return true;
     }
 
@@ -188,7 +185,7 @@ private:
     // Of the joins.  Around marked vertices a strip is longer than the estimate.
     Done shortest_strip(double& shortest) {
         const size_t begin = strips_.size();
-        for (size_t i = 0; i < join_.size() && i < PANTS_CANDIDATES && join_[i].length < shortest; ++i) {
+        for (size_t i = 0; i < join_.size() && i < CANDIDATES && join_[i].length < shortest; ++i) {
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;
             double length = 0;
@@ -213,11 +210,11 @@ private:
         const bool is_quick = lengths_.care() == LoopCare::quick;
         bool added = false;
         if (!is_quick && !find_cycles()) return false;
-        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + PANTS_CANDIDATES; ++i) {
+        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + CANDIDATES; ++i) {
             if (cycles_[i].length > SLACK * cycles_[0].length) break;
             if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
         }
-        for (size_t i = 0; i < join_.size() && i < PANTS_CANDIDATES; ++i) {
+        for (size_t i = 0; i < join_.size() && i < CANDIDATES; ++i) {
             const size_t begin = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == begin) continue;
@@ -253,8 +250,7 @@ private:
     // loop.
     Done take_others() {
         const Choice choice = choice_.back();
-        const size_t end =
-            loops_.count() + (wanted_ - loops_.count()) / (lengths_.has_pulled() ? PART_OF_BATCH : PART_OF_QUICK_BATCH);
+        const size_t end = loops_.count() + (wanted_ - loops_.count()) / PART_OF_BATCH;
         Array<size_t> order;
         order.start(memory_);
         for (size_t at = choice.first; at < choice.end && end > loops_.count(); ++at)
@@ -298,7 +294,6 @@ private:
     Array<Choice> choice_;
     Array<LoopSearch::Cycle> cycles_; // in strips_
     double allowed_ = 0;              // regions to be settled in all searches up to the next loop
-    Array<double> face_bound_;        // of the cycles through a face, which only get longer as loops are added
     Signatures signatures_;
     LoopSearch search_;
 };
@@ -307,8 +302,9 @@ private:
 
 hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
                                Loops& out) {
-    const RootReach reach = lengths.care() == LoopCare::quick ? RootReach::near : RootReach::far;
-    hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out, reach);
+    const size_t genus = static_cast<size_t>(2 - mesh.euler()) / 2;
+    const bool is_wide = lengths.care() == LoopCare::shortest && genus >= MANY_HANDLES;
+    hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out, is_wide);
     if (status) return status;
     Pants pants(mesh, position, false, lengths, out, call);
     return pants.run();

@@ -43,7 +43,7 @@ private:
         for (size_t i = 0; i < loops_.length(c); ++i)
             if (!found_.push(loops_.loop(c)[i])) return false;
         Loops changed;
-        if (!geodesic_.straighten_widely(found_, STRAIGHTENINGS, length) || !changed.start(call_.memory)) return false;
+        if (!geodesic_.straighten_widely(found_, MOST_REPEATS, length) || !changed.start(call_.memory)) return false;
         for (size_t k = 0; k < loops_.count(); ++k)
             if (!(k == c ? changed.add(found_) : changed.add(loops_, k))) return false;
         if (!one_is_disjoint(mesh_, changed, c, test_, call_, taken)) return false;
