@@ -219,6 +219,35 @@ TEST(Work, SolveIsLinearInValence) {
 
 namespace {
 
+// Of the atlas of the foliation of cut loops.
+uint64_t of_atlas(const Extreme& extreme) {
+    hmf_hierarchy* h = nullptr;
+    build(extreme, h);
+    hmf_loop_set* loops = nullptr;
+    find_loops(extreme, h, HMF_LOOPS_CUT, loops);
+    hmf_foliation* f = nullptr;
+    EXPECT_EQ(hmf_solve(h, loops, nullptr, nullptr, &f, nullptr), HMF_OK);
+    const uint64_t made = expect_reports_of<hmf_chart_set>(
+        extreme, "hmf_atlas", [&](auto control, auto out) { return hmf_atlas(f, nullptr, control, out, nullptr); });
+    hmf_foliation_destroy(f);
+    hmf_free(loops);
+    hmf_hierarchy_destroy(h);
+    return made;
+}
+
+} // namespace
+
+TEST(Work, AtlasIsLinearInValence) {
+    expect_linear(
+        "walls",
+        [](size_t n) {
+            return of_atlas({"walls", walled_ring(n, Strips::fans), {}, {}});
+        },
+        300);
+}
+
+namespace {
+
 uint64_t of_loops(const Extreme& extreme, int32_t kind) {
     hmf_hierarchy* h = nullptr;
     build(extreme, h);

@@ -1,7 +1,11 @@
 // Two triangles with positive area have common inner points unless one of their
 // six sides has all corners of the other triangle on its right or on its line.
-// Pairs to look at come from a grid of cells, one for about every triangle.
+// Pairs to look at come from a vertical line that sweeps over a chart from left
+// to right (Shamos and Hoey): it meets triangles without overlap in an order
+// from below to above.  If no two neighbors in this order overlap, none do.
 #include "overlaps.hpp"
+
+#include "../../core/base/heap_sort.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,120 +30,158 @@ int64_t grid_turn(const GridCorners& a, int i, int64_t x, int64_t y) {
     return (a.x[j] - a.x[i]) * (y - a.y[i]) - (a.y[j] - a.y[i]) * (x - a.x[i]);
 }
 
-// All of b right of a side of a, or on it.
-bool is_apart(const GridCorners& a, const GridCorners& b) {
+// Whether all of b is right of a side of a, or on it; `turn` becomes the x of the direction of that side.
+bool is_apart(const GridCorners& a, const GridCorners& b, int64_t& turn) {
     for (int i = 0; i < 3; ++i) {
         bool apart = true;
         for (int k = 0; k < 3 && apart; ++k) apart = grid_turn(a, i, b.x[k], b.y[k]) <= 0;
+        turn = a.x[(i + 1) % 3] - a.x[i];
         if (apart) return true;
     }
     return false;
 }
 
-// The cells of one chart.
-class Cells {
-public:
-    Cells(const Mesh& mesh, const Array<uint32_t>& side, const GridLayout& layout, Call& call) :
-        mesh_(mesh), side_(side), layout_(layout), call_(call) {}
+// 0 if they overlap; else, where an upright line meets the inside of both, 1 with b above a, -1 below.
+int order(const GridCorners& a, const GridCorners& b) {
+    int64_t turn;
+    if (is_apart(a, b, turn)) return turn > 0 ? -1 : 1;
+    return is_apart(b, a, turn) ? (turn > 0 ? 1 : -1) : 0;
+}
 
-    // visit(f, g) for each two of the faces that overlap.
-    template <class Visit>
-    Done run(const uint32_t* faces, uint32_t n, Visit visit) {
-        if (n < 2) return true;
-        int64_t low[2], high[2];
-        for (uint32_t i = 0; i < n; ++i) {
-            const GridCorners c = at(faces[i]);
-            for (int a = 0; a < 2; ++a) {
-                low[a] = i ? std::min(low[a], c.low(a)) : c.low(a);
-                high[a] = i ? std::max(high[a], c.high(a)) : c.high(a);
+// The triangles that the sweep line meets just right of its place: a treap and a list, both in their order.
+class Sweep {
+public:
+    Sweep(const Mesh& mesh, const Array<uint32_t>& side, const GridLayout& layout, Array<uint8_t>& bad, Call& call) :
+        mesh_(mesh), side_(side), layout_(layout), bad_(bad), call_(call) {}
+
+    Done start() {
+        return node_.allocate(call_.memory, mesh_.face_count) && ends_.allocate(call_.memory, mesh_.face_count);
+    }
+
+    // Sets bad for one of each two of the faces that overlap; sorts them.
+    Done run(uint32_t* faces, uint32_t n) {
+        const auto go_on = [this] { return call_.work(64, 0.89, false); };
+        const auto sort = [&](uint32_t* list, bool by_end) {
+            return heap_sort(
+                list, n,
+                [&](uint32_t f, uint32_t g) {
+                    const int64_t x = by_end ? end(f) : begin(f), y = by_end ? end(g) : begin(g);
+                    return x != y ? x < y : f < g;
+                },
+                go_on);
+        };
+        for (uint32_t i = 0; i < n; ++i) ends_[i] = faces[i];
+        if (!sort(faces, false) || !sort(ends_.data(), true)) return false;
+        root_ = NONE;
+        for (uint32_t i = 0, k = 0; k < n;) {
+            if (i < n && begin(faces[i]) < end(ends_[k])) {
+                if (!insert(faces[i++])) return false;
+            } else {
+                const uint32_t face = ends_[k++];
+                if (!bad_[face] && !remove(face)) return false;
             }
         }
-        const double w = static_cast<double>(high[0] - low[0]) + 1, h = static_cast<double>(high[1] - low[1]) + 1;
-        for (double size = std::sqrt(w * h / n);; size *= 2) {
-            cell_ = static_cast<int64_t>(size) + 1;
-            for (int a = 0; a < 2; ++a) {
-                low_[a] = low[a];
-                cells_[a] = static_cast<uint64_t>((high[a] - low[a]) / cell_) + 1;
-            }
-            if (!call_.work(32 * uint64_t{n}, 0.89, false)) return false;
-            if (cells_[0] * cells_[1] <= 4 * uint64_t{n} + 64 && count(faces, n) <= 32 * uint64_t{n}) break;
-        }
-        return fill(faces, n) && look(visit);
+        return true;
     }
 
 private:
-    GridCorners at(uint32_t face) const { return corners_of(mesh_, layout_, side_[face]); }
-    struct Range {
-        uint64_t from[2], to[2];
+    struct Node {
+        uint32_t parent, child[2];
+        uint32_t next[2]; // below and above
     };
-    Range cells_of(const GridCorners& c) const {
-        Range r;
-        for (int a = 0; a < 2; ++a) {
-            r.from[a] = static_cast<uint64_t>((c.low(a) - low_[a]) / cell_);
-            r.to[a] = static_cast<uint64_t>((c.high(a) - low_[a]) / cell_);
-        }
-        return r;
+    GridCorners at(uint32_t face) const { return corners_of(mesh_, layout_, side_[face]); }
+    int64_t begin(uint32_t face) const { return at(face).low(false); }
+    int64_t end(uint32_t face) const { return at(face).high(false); }
+    static uint64_t priority(uint32_t face) {
+        const uint64_t mixed = (face + uint64_t{1}) * 0x9e3779b97f4a7c15u;
+        return (mixed ^ (mixed >> 29)) * 0xbf58476d1ce4e5b9u;
     }
-    uint64_t count(const uint32_t* faces, uint32_t n) const {
-        uint64_t sum = 0;
-        for (uint32_t i = 0; i < n; ++i) {
-            const Range r = cells_of(at(faces[i]));
-            sum += (r.to[0] - r.from[0] + 1) * (r.to[1] - r.from[1] + 1);
-        }
-        return cells_[0] * cells_[1] == 1 ? 0 : sum;
+
+    // Of two that overlap the one with more seams goes.
+    uint32_t worse(uint32_t f, uint32_t g) const { return seams(f) > seams(g) ? f : g; }
+    int seams(uint32_t t) const {
+        int count = 0;
+        uint32_t h = side_[t];
+        for (int k = 0; k < 3; ++k, h = mesh_.next[h]) count += !is_joined(mesh_, layout_, edge_of(h));
+        return count;
     }
-    Done fill(const uint32_t* faces, uint32_t n) {
-        const size_t cells = static_cast<size_t>(cells_[0] * cells_[1]);
-        if (!begin_.allocate_filled(call_.memory, cells + 1, 0)) return false;
-        for (int pass = 0; pass < 2; ++pass) {
-            for (uint32_t i = 0; i < n; ++i) {
-                const Range r = cells_of(at(faces[i]));
-                if (!call_.work(32 + (r.to[0] - r.from[0] + 1) * (r.to[1] - r.from[1] + 1), 0.89, false)) return false;
-                for (uint64_t y = r.from[1]; y <= r.to[1]; ++y)
-                    for (uint64_t x = r.from[0]; x <= r.to[0]; ++x) {
-                        const size_t k = static_cast<size_t>(y * cells_[0] + x);
-                        if (pass == 0) ++begin_[k];
-                        else content_[--begin_[k]] = faces[i];
-                    }
-            }
-            if (pass == 1) break;
-            for (size_t k = 1; k <= cells; ++k) begin_[k] += begin_[k - 1];
-            if (!content_.allocate(call_.memory, static_cast<size_t>(begin_[cells]))) return false;
-        }
-        return true;
-    }
-    template <class Visit>
-    Done look(Visit visit) const {
-        for (size_t k = 0; k + 1 < begin_.size(); ++k)
-            for (uint64_t i = begin_[k]; i < begin_[k + 1]; ++i) {
-                const GridCorners a = at(content_[static_cast<size_t>(i)]);
+
+    Done insert(uint32_t face) {
+        for (;;) {
+            uint32_t parent = NONE, other = root_;
+            int above = 0;
+            while (other != NONE) {
                 if (!call_.work(32, 0.89, false)) return false;
-                for (uint64_t j = i + 1; j < begin_[k + 1]; ++j) {
-                    if (!call_.work(32, 0.89, false)) return false;
-                    const GridCorners b = at(content_[static_cast<size_t>(j)]);
-                    // Only in the cell with the lower left corner of what both boxes share.
-                    const int64_t x = std::max(a.low(false), b.low(false)), y = std::max(a.low(true), b.low(true));
-                    if (static_cast<uint64_t>((y - low_[1]) / cell_) * cells_[0]
-                            + static_cast<uint64_t>((x - low_[0]) / cell_)
-                        != k)
-                        continue;
-                    if (x >= std::min(a.high(false), b.high(false)) || y >= std::min(a.high(true), b.high(true)))
-                        continue;
-                    if (!is_apart(a, b) && !is_apart(b, a))
-                        visit(content_[static_cast<size_t>(i)], content_[static_cast<size_t>(j)]);
-                }
+                above = order(at(other), at(face));
+                if (above == 0) break;
+                parent = other;
+                other = node_[other].child[above > 0];
             }
-        return true;
+            if (other == NONE) {
+                link(face, parent, above > 0);
+                return true;
+            }
+            bad_[worse(other, face)] = 1;
+            if (bad_[face]) return true;
+            if (!remove(other)) return false;
+        }
+    }
+
+    // As a child of `parent`, above or below it, then upward to where its priority belongs.
+    void link(uint32_t face, uint32_t parent, bool above) {
+        Node& node = node_[face];
+        node = {parent, {NONE, NONE}, {NONE, NONE}};
+        (parent == NONE ? root_ : node_[parent].child[above]) = face;
+        if (parent != NONE) {
+            node.next[!above] = parent;
+            node.next[above] = node_[parent].next[above];
+            node_[parent].next[above] = face;
+            if (node.next[above] != NONE) node_[node.next[above]].next[!above] = face;
+        }
+        while (node.parent != NONE && priority(node.parent) < priority(face)) rotate_up(face);
+    }
+
+    void replace(uint32_t face, uint32_t by) {
+        const uint32_t parent = node_[face].parent;
+        (parent == NONE ? root_ : node_[parent].child[node_[parent].child[1] == face]) = by;
+        if (by != NONE) node_[by].parent = parent;
+    }
+
+    void rotate_up(uint32_t face) {
+        const uint32_t parent = node_[face].parent;
+        const bool above = node_[parent].child[1] == face;
+        const uint32_t inner = node_[face].child[!above];
+        replace(parent, face);
+        node_[face].child[!above] = parent;
+        node_[parent].parent = face;
+        node_[parent].child[above] = inner;
+        if (inner != NONE) node_[inner].parent = parent;
+    }
+
+    // Its neighbors become neighbors of each other; if they overlap, one of them is removed as well.
+    Done remove(uint32_t face) {
+        for (;;) {
+            if (!call_.work(64, 0.89, false)) return false;
+            const Node& node = node_[face];
+            while (node.child[0] != NONE && node.child[1] != NONE)
+                rotate_up(node.child[priority(node.child[1]) > priority(node.child[0])]);
+            replace(face, node.child[node.child[0] == NONE]);
+            const uint32_t below = node.next[0], above = node.next[1];
+            if (below != NONE) node_[below].next[1] = above;
+            if (above != NONE) node_[above].next[0] = below;
+            if (below == NONE || above == NONE || order(at(below), at(above)) != 0) return true;
+            bad_[face = worse(below, above)] = 1;
+        }
     }
 
     const Mesh& mesh_;
     const Array<uint32_t>& side_;
     const GridLayout& layout_;
+    Array<uint8_t>& bad_;
     Call& call_;
-    int64_t low_[2] = {}, cell_ = 1;
-    uint64_t cells_[2] = {};
-    Array<uint64_t> begin_;
-    Array<uint32_t> content_;
+    Array<Node> node_; // of each face
+    Array<uint32_t> ends_;
+    uint32_t root_ = NONE;
 };
 
 } // namespace
@@ -161,7 +203,9 @@ Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout
         for (const uint32_t h : mesh.around(v)) least = std::min(least, grid_area(mesh, layout, h));
         return least;
     };
-    for (int pass = 0; pass < 10; ++pass) {
+    Array<uint8_t> tried; // per vertex: the last pass
+    if (!tried.allocate_filled(call.memory, mesh.vertex_count, 0)) return false;
+    for (uint8_t pass = 1; pass <= 10; ++pass) {
         bool any = false;
         for (uint32_t t = 0; t < mesh.face_count; ++t) {
             if (t % 65536 == 0 && !call.tick(0.89)) return false;
@@ -169,6 +213,8 @@ Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout
             uint32_t corner = side[t];
             for (int k = 0; k < 3; ++k, corner = mesh.next[corner]) {
                 const uint32_t v = mesh.origin[corner];
+                if (tried[v] == pass) continue;
+                tried[v] = pass;
                 int64_t n = 0, x = 0, y = 0;
                 bool inside = true;
                 for (const uint32_t h : mesh.around(v)) {
@@ -214,20 +260,10 @@ Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayo
     for (uint32_t c = 0, sum = 0; c <= layout.chart_count; ++c) sum = offset[c] += sum;
     for (uint32_t t = 0; t < mesh.face_count; ++t)
         if (!bad[t] && is_seen(t)) faces[--offset[layout.chart[t]]] = t;
-    // Of two that overlap the one with more seams goes.
-    const auto seams = [&](uint32_t t) {
-        int count = 0;
-        uint32_t h = side[t];
-        for (int k = 0; k < 3; ++k, h = mesh.next[h]) count += !is_joined(mesh, layout, edge_of(h));
-        return count;
-    };
-    Cells cells(mesh, side, layout, call);
+    Sweep sweep(mesh, side, layout, bad, call);
+    if (!sweep.start()) return false;
     for (uint32_t c = 0; c < layout.chart_count; ++c)
-        if (!cells.run(faces.data() + offset[c], offset[c + 1] - offset[c], [&](uint32_t f, uint32_t g) {
-                if (bad[f] || bad[g]) return;
-                bad[seams(f) >= seams(g) ? f : g] = 1;
-            }))
-            return false;
+        if (!sweep.run(faces.data() + offset[c], offset[c + 1] - offset[c])) return false;
     return true;
 }
 
@@ -257,7 +293,7 @@ bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>
         for (uint32_t t = 0; t < mesh.face_count && free; ++t) {
             if (t == face || bad[t] || layout.chart[t] != layout.chart[beyond]) continue;
             const GridCorners c = corners_of(mesh, layout, side[t]);
-            free = grid_turn(c, 0, c.x[2], c.y[2]) <= 0 || is_apart(there, c) || is_apart(c, there);
+            free = grid_turn(c, 0, c.x[2], c.y[2]) <= 0 || order(there, c) != 0;
         }
         if (!free) continue;
         layout.chart[face] = layout.chart[beyond];

@@ -19,7 +19,7 @@ int64_t grid_area(const Mesh& mesh, const GridLayout& layout, uint32_t h);
 bool is_joined(const Mesh& mesh, const GridLayout& layout, uint32_t e);
 
 // Moves interior vertices of inverted triangles to the center of their neighbors, if that increases the least area
-// around them.
+// around them; each at most once in a pass.
 Done turn_back(const Mesh& mesh, const Array<uint32_t>& side, GridLayout& layout, Call& call);
 
 // Sets `bad` to 1 for triangles that are inverted or overlap another one of their chart; the others do not overlap.
