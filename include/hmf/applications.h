@@ -700,11 +700,14 @@ typedef struct hmf_quad_mesh {
  * If relaxed quads are inverted or do not follow the surface, smaller ones are tried, up to
  * eight times as many as the cylinders need at least.
  *
+ * The columns follow v of the flat surface of hmf_parameterize, which is computed once for each
+ * foliation and kept with it.
+ *
  * Returns HMF_OK, HMF_CANCELLED, or
  *   HMF_ERROR_QUADS        even these do not follow the surface; a part of the surface that no
  *                          leaf crosses is not a disk; or no numbers of columns fit all
  *                          cylinders at once: edges are too long, or the mesh is too coarse
- *   HMF_ERROR_UNSUPPORTED  a coarser level of a surface with boundary
+ *   HMF_ERROR_UNSUPPORTED  a coarser level of a surface with boundary; or as hmf_parameterize
  *   HMF_ERROR_OPTIONS      also if there would be more than 2^28 quads
  *   an error of classes 100, 200, 500
  */

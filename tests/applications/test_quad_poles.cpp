@@ -100,7 +100,12 @@ TEST(QuadsOverPoles, NumberIsKnownBefore) {
             hmf::Foliation& f = leaves.state.foliation;
             const hmf::CriticalGraph& graph = leaves.cylinders.graph;
             const double* const position = leaves.state.hierarchy->levels[0].position;
-            const hmf::QuadInput in{f, position, leaves.cylinders, graph, nullptr, hmf::Conjugate(f, position)};
+            hmf::State solved;
+            hmf::FlatConeMetric flat;
+            ASSERT_EQ(hmf::load_solved_in_unit_of_values(*surface.solution.foliation, solved, call), HMF_OK);
+            ASSERT_EQ(hmf::flat_cone_metric(solved, hmf::HARMONIC_TOLERANCE, flat, call), HMF_OK);
+            const hmf::Conjugate conjugate(f, flat, 1);
+            const hmf::QuadInput in{f, position, leaves.cylinders, graph, nullptr, conjugate};
             double area = 0;
             ASSERT_EQ(hmf::flat_area(in, area, call), HMF_OK);
             std::vector<int> prongs(graph.zeros.size(), 0);
@@ -118,7 +123,8 @@ TEST(QuadsOverPoles, NumberIsKnownBefore) {
                 const double ring = graph.zeros.empty() ? points.length(0) : 0;
                 ASSERT_EQ(sizes.start(leaves.cylinders, length, ring, wish.merge, call), HMF_OK);
                 ASSERT_EQ(sizes.of_step(std::sqrt(area / number), call), HMF_OK);
-                ASSERT_EQ(hmf::make_quads(f, position, leaves.cylinders, nullptr, wish, quads, call), HMF_OK);
+                ASSERT_EQ(hmf::make_quads(f, conjugate, position, leaves.cylinders, nullptr, wish, quads, call),
+                          HMF_OK);
                 EXPECT_EQ(sizes.quad_count(), static_cast<int64_t>(quads.quad_count()))
                     << genus << " " << marks << " " << number;
             }

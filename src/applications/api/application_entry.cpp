@@ -1,7 +1,6 @@
 #include "application_entry.hpp"
 
 #include "../common/boundary_zeros.hpp"
-#include "../quads/flat_flips.hpp"
 
 namespace hmf {
 
@@ -13,15 +12,10 @@ hmf_status refuse_level_of_double(const hmf_foliation& foliation, Call& call) {
                      static_cast<unsigned long long>(foliation.level));
 }
 
-hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflection, bool flips) {
+hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflection) {
     if (load_values(f, f.level, state, call)) return call.status();
     const bool is_double = reflection && f.level == 0 && f.hierarchy->is_double();
     if (is_double && read_reflection(*f.hierarchy, *reflection, call)) return call.status();
-    if (flips && f.level == 0) {
-        if (!state.own(call)) return call.stopped();
-        if (flip_flat_parts(state.foliation, f.hierarchy->levels[0].position, is_double ? reflection : nullptr, call))
-            return call.status();
-    }
     if (is_double) {
         const Foliation& at = state.foliation;
         cylinders.graph.division = division_at_boundary(*reflection);

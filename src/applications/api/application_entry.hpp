@@ -48,9 +48,7 @@ struct Leaves {
     Cylinders cylinders;
 
     // reflection: filled on level 0 of a double, whose clusters on the boundary are then divided; NULL: not needed.
-    // flips: the flat parts of level 0 get better triangles (quads/flat_flips.hpp), which are not the caller's.
-    [[nodiscard]] hmf_status load(const hmf_foliation& f, Call& call, Reflection* reflection = nullptr,
-                                  bool flips = false);
+    [[nodiscard]] hmf_status load(const hmf_foliation& f, Call& call, Reflection* reflection = nullptr);
 };
 
 // The flat surface of a foliation on the caller's side: the one that is kept with

@@ -1,4 +1,5 @@
 // applications.h: quads.
+#include "../cylinders/to_minimum.hpp"
 #include "../quads/fit_quads.hpp"
 #include "../quads/sized_quads.hpp"
 #include "../../core/api/result.hpp"
@@ -41,7 +42,10 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     Leaves leaves;
     Reflection reflection;
     FrontParts front;
-    if (leaves.load(*foliation, call, &reflection, true)) return call.status();
+    FlatOf flat;
+    const auto improve = [&](State& solved, double& unit) { return to_minimum(solved, unit, call); };
+    if (const hmf_status status = flat.find(*foliation, entry, HARMONIC_TOLERANCE, improve)) return status;
+    if (leaves.load(*foliation, call, &reflection)) return call.status();
     Foliation& f = leaves.state.foliation;
     if (h.is_double() && front.build(f, reflection, leaves.cylinders, call)) return call.status();
     SizedQuads wish;
@@ -53,6 +57,8 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     wish.share = h.share();
     wish.front = h.is_double() ? &front : nullptr;
     wish.reflection = &reflection;
+    const Conjugate conjugate(f, *flat.flat, flat.unit / foliation->unit);
+    wish.conjugate = &conjugate;
     QuadMesh made;
     QuadFigures figures;
     double area = 0;

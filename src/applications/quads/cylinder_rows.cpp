@@ -1,6 +1,7 @@
 #include "cylinder_rows.hpp"
 
 #include "../lines/polyline.hpp"
+#include "quad_numbers.hpp"
 
 #include <algorithm>
 
@@ -43,36 +44,6 @@ hmf_status CylinderRows::torn(uint32_t cylinder) {
                       "The half of a cylinder in front has gaps. Please report it.");
 }
 
-// v along the path across a cylinder up to each piece, and at its end.
-Done CylinderRows::read_path(const Cylinder& c) {
-    twist_.start(call_.memory);
-    double v = 0;
-    for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
-        const PathPiece& p = in_.cylinders.pieces[i];
-        if (!twist_.push(v)) return false;
-        v += in_.conjugate.along(p.half_edge) * static_cast<double>(p.to - p.from)
-           / static_cast<double>(width(in_.f, p.half_edge));
-    }
-    return twist_.push(v);
-}
-
-double CylinderRows::twist_at(const Cylinder& c, uint64_t piece, int64_t height) const {
-    const PathPiece& p = in_.cylinders.pieces[piece];
-    const double t = p.to > p.from ? static_cast<double>(height - p.height) / static_cast<double>(p.to - p.from) : 0;
-    const size_t i = static_cast<size_t>(piece - c.path_begin);
-    return twist_[i] + t * (twist_[i + 1] - twist_[i]);
-}
-
-// The place where the path arrives on the upper boundary leaf.
-double CylinderRows::arrival(const Cylinder& c) const {
-    const PathPiece& p = in_.cylinders.pieces[c.path_end - 1];
-    const Boundary& b = in_.graph.boundaries[c.upper];
-    // The upper leaf crosses the last half-edge from its left to its right.
-    for (uint64_t i = b.begin; i + 1 < b.end; ++i)
-        if (in_.graph.crossings[i] == Crossing{p.half_edge, p.to}) return points_.v(i);
-    return 0;
-}
-
 // Half units of row k above the lower side.
 int64_t CylinderRows::height_of_row(uint32_t cylinder, int64_t k) const {
     const Cylinder& c = in_.cylinders.list[cylinder];
@@ -91,9 +62,9 @@ Done CylinderRows::set_heights(uint32_t cylinder, int64_t rows) {
     return here_.allocate(call_.memory, height_.size());
 }
 
-// The leaf at a height into leaf_, with the piece of the path that it crosses.
-hmf_status CylinderRows::find_leaf(uint32_t cylinder, int64_t height, uint64_t& piece) {
-    const Crossing start = leaf_at(in_.f, in_.cylinders, cylinder, height, &piece);
+// The leaf at a height into leaf_.
+hmf_status CylinderRows::find_leaf(uint32_t cylinder, int64_t height) {
+    const Crossing start = leaf_at(in_.f, in_.cylinders, cylinder, height);
     if (!call_.tick(0)) return call_.was_cancelled();
     if (!closed_leaf(in_.f, start, in_.graph.crossing_limit(), leaf_))
         return call_.memory.failure()
@@ -102,11 +73,10 @@ hmf_status CylinderRows::find_leaf(uint32_t cylinder, int64_t height, uint64_t& 
     return HMF_OK;
 }
 
-// The leaf at a height into ruler_, and v along the path up to it.  shift: it runs beside the boundary, which is
-// taken instead: 1 on its left, -1 on its right.
-hmf_status CylinderRows::read_leaf_at(uint32_t cylinder, int64_t height, int64_t shift, double& twist) {
-    uint64_t piece = 0;
-    if (find_leaf(cylinder, height, piece)) return call_.status();
+// The leaf at a height into ruler_.  shift: it runs beside the boundary, which is taken instead: 1 on its left, -1 on
+// its right.
+hmf_status CylinderRows::read_leaf_at(uint32_t cylinder, int64_t height, int64_t shift) {
+    if (find_leaf(cylinder, height)) return call_.status();
     ruler_.clear();
     double v = 0;
     for (size_t i = 0; i <= leaf_.size(); ++i) {
@@ -117,13 +87,23 @@ hmf_status CylinderRows::read_leaf_at(uint32_t cylinder, int64_t height, int64_t
             return call_.out_of_memory();
         v += in_.conjugate.step(at);
     }
-    if (ruler_.v.empty()) return torn(cylinder);
-    twist = twist_at(in_.cylinders.list[cylinder], piece, height);
-    return HMF_OK;
+    return ruler_.v.empty() ? torn(cylinder) : HMF_OK;
 }
 
-hmf_status CylinderRows::read_row(uint32_t cylinder, size_t k, double& twist) {
-    return read_leaf_at(cylinder, height_[k], ends_at_boundary_ && k + 1 == height_.size() ? -1 : 0, twist);
+hmf_status CylinderRows::read_row(uint32_t cylinder, size_t k) {
+    return read_leaf_at(cylinder, height_[k], ends_at_boundary_ && k + 1 == height_.size() ? -1 : 0);
+}
+
+// The upper boundary into ruler_, in the direction of the rows: its leaf runs the other way.
+Done CylinderRows::read_upper(uint32_t boundary) {
+    const Boundary& b = in_.graph.boundaries[boundary];
+    ruler_.clear();
+    for (uint64_t i = b.end; i-- > b.begin;) {
+        const Crossing& c = in_.graph.crossings[i];
+        if (!ruler_.push(points_.length(boundary) - points_.v(i), in_.place_of({c.half_edge, c.at + 1}), c.half_edge))
+            return false;
+    }
+    return true;
 }
 
 // Of the points of the lower row, as parts of its length; they are the row before.
@@ -142,42 +122,34 @@ void CylinderRows::points_of_row(double here) {
     for (size_t j = 0; j < place_.size(); ++j) ruler_.point(on_row(place_[j], here) * ruler_.length(), before_[j]);
 }
 
-// The turn of a row, as a part of its length, that brings it nearest to the row before; 0 where it is
-// within a few columns as it is.  Sizes are squared, of some columns.
-double CylinderRows::coarse_turn(double here) const {
-    constexpr size_t samples = 16;
-    constexpr int most_turns = 64;
-    constexpr double near_enough = 9, better_by = 0.25; // squares of columns; of what there is without a turn
+// Where a row begins, as a part of its length: it is turned so that straight columns from the row before are short, and
+// meet it at right angles in the mean.
+double CylinderRows::align_row() const {
     const size_t n = place_.size();
-    const auto column = [&](size_t i) { return i % samples * n / samples; };
-    const auto misfit = [&](double turn) {
+    const double round = ruler_.length(), h = 0.25 / static_cast<double>(n);
+    const auto misfit = [&](double here) {
         double sum = 0;
-        for (size_t i = 0; i < samples; ++i) {
+        for (size_t i = 0; i < SAMPLES; ++i) {
+            const size_t j = i * n / SAMPLES;
             Point p;
-            ruler_.point(on_row(place_[column(i)], here - turn) * ruler_.length(), p);
-            sum += square_of(p - before_[column(i)]);
+            ruler_.point(on_row(place_[j], here) * round, p);
+            sum += square_of(p - before_[j]);
         }
         return sum;
     };
-    double columns = 0;
-    for (size_t i = 0; i < samples; ++i) columns += square_of(before_[column(i)] - before_[(column(i) + 1) % n]);
-    const double now = misfit(0);
-    double least = better_by * now, best = 0;
-    for (int t = 1; t < most_turns && now > near_enough * columns; ++t) {
-        const double turn = static_cast<double>(t) / most_turns, there = misfit(turn);
-        if (there >= least) continue;
+    double here = 0, least = HUGE_VAL;
+    const auto try_at = [&](double turn) {
+        const double there = misfit(turn);
+        if (!(there < least)) return;
         least = there;
-        best = turn;
+        here = turn;
+    };
+    for (int t = 0; t < TURNS; ++t) try_at(static_cast<double>(t) / TURNS);
+    for (double step = 0.5 / TURNS; step > h; step /= 2) {
+        const double middle = here;
+        try_at(middle - step);
+        try_at(middle + step);
     }
-    return best;
-}
-
-// Where the path meets a row that is turned so that straight columns from the row before meet it at right
-// angles in the mean.
-double CylinderRows::align_row(double here) const {
-    const size_t n = place_.size();
-    const double round = ruler_.length(), h = 0.25 / static_cast<double>(n);
-    here -= coarse_turn(here); // where the path runs along thin triangles, v along it may be far off
     for (int tries = 0; tries < 3; ++tries) {
         double sum = 0;
         for (size_t j = 0; j < n; ++j) {
@@ -194,19 +166,13 @@ double CylinderRows::align_row(double here) const {
     return here;
 }
 
-// Where the path meets each row, as a part of its length: at first by v along
-// the path; then each row is turned so that straight columns from the row
-// before meet it at right angles in the mean.  One path alone is as wrong
-// as the thin triangles on it make it.  path: v along it at the lower row; turn: of the upper boundary.
-hmf_status CylinderRows::align_rows(uint32_t cylinder, double whole, double path, double& turn) {
-    double here = 0;
+// Where each row inside begins.
+hmf_status CylinderRows::align_rows(uint32_t cylinder) {
     for (size_t k = 0; k < height_.size(); ++k) {
-        const double before = path;
-        if (read_row(cylinder, k, path)) return call_.status();
-        here = here_[k] = align_row(here + (path - before) / whole);
-        points_of_row(here);
+        if (read_row(cylinder, k)) return call_.status();
+        here_[k] = align_row();
+        points_of_row(here_[k]);
     }
-    turn = here + (twist_[twist_.size() - 1] - path) / whole;
     return HMF_OK;
 }
 
@@ -215,8 +181,7 @@ template <class Slant>
 hmf_status CylinderRows::place_rows(uint32_t cylinder, const Slant& slant) {
     const double rows = static_cast<double>(sizes_.rows[cylinder]);
     for (size_t k = 0; k < height_.size(); ++k) {
-        double path = 0;
-        if (read_row(cylinder, k, path)) return call_.status();
+        if (read_row(cylinder, k)) return call_.status();
         const uint8_t held = ends_at_boundary_ && k + 1 == height_.size() ? AT_BOUNDARY : 0;
         for (size_t j = 0; j < place_.size(); ++j) {
             const double place = place_[j] + static_cast<double>(k + 1) / rows * slant(static_cast<int64_t>(j));
@@ -242,8 +207,7 @@ hmf_status CylinderRows::add_grid(int64_t rows, int64_t columns, const Vertex& v
 hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
     const Cylinder& c = in_.cylinders.list[cylinder];
     const int64_t m = sizes_.rows[cylinder];
-    if (!points_.read_row(c.lower, lower_) || !points_.read_row(c.upper, upper_) || !read_path(c)
-        || !set_heights(cylinder, m - 1))
+    if (!points_.read_row(c.lower, lower_) || !points_.read_row(c.upper, upper_) || !set_heights(cylinder, m - 1))
         return call_.out_of_memory();
     const int64_t n = static_cast<int64_t>(lower_.vertex.size());
     if (static_cast<int64_t>(upper_.vertex.size()) != n)
@@ -251,14 +215,12 @@ hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
                           "The boundaries of a cylinder have different numbers of columns. Please report it.");
     const double lower_length = points_.length(c.lower), upper_length = points_.length(c.upper);
     if (!set_places(lower_length)) return call_.out_of_memory();
-    // The flat cylinder is as long as both are in the mean; places in parts of it.
-    double turn = 0;
-    if (align_rows(cylinder, (lower_length + upper_length) / 2, 0, turn)) return call_.status();
-    const double arrived = arrival(c);
+    if (align_rows(cylinder)) return call_.status();
+    if (!read_upper(c.upper)) return call_.out_of_memory();
+    const double turn = align_row();
     const auto high = [&](int64_t j) { // the upper leaf runs the other way; j of any size
         const int64_t wraps = j >= 0 ? j / n : -((n - 1 - j) / n);
-        return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length
-             - static_cast<double>(wraps);
+        return turn - upper_.v[static_cast<size_t>(j - wraps * n)] / upper_length - static_cast<double>(wraps);
     };
     double shift = 0;
     for (int64_t j = 0; j < n; ++j) shift += high(-j) - place_[static_cast<size_t>(j)];
@@ -276,13 +238,11 @@ hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
 }
 
 // Rows from the lower one to the boundary.
-hmf_status CylinderRows::add_rings(uint32_t cylinder, double whole, double path) {
+hmf_status CylinderRows::add_rings(uint32_t cylinder) {
     const int64_t n = static_cast<int64_t>(place_.size());
     const uint32_t base = out_.vertex_count();
-    double turn = 0;
     ends_at_boundary_ = true;
-    if (align_rows(cylinder, whole, path, turn) || place_rows(cylinder, [](int64_t) { return 0.0; }))
-        return call_.status();
+    if (align_rows(cylinder) || place_rows(cylinder, [](int64_t) { return 0.0; })) return call_.status();
     return add_grid(static_cast<int64_t>(height_.size()), n, [&](int64_t k, int64_t j) {
         return k == 0 ? lower_.vertex[static_cast<size_t>(j % n)] : base + static_cast<uint32_t>((k - 1) * n + j % n);
     });
@@ -292,20 +252,20 @@ hmf_status CylinderRows::add_rings(uint32_t cylinder, double whole, double path)
 hmf_status CylinderRows::fill_ring(uint32_t cylinder) {
     const Cylinder& c = in_.cylinders.list[cylinder];
     const double length = points_.length(c.lower);
-    if (!points_.read_row(c.lower, lower_) || !read_path(c) || !set_heights(cylinder, sizes_.rows[cylinder] / 2))
+    if (!points_.read_row(c.lower, lower_) || !set_heights(cylinder, sizes_.rows[cylinder] / 2))
         return call_.out_of_memory();
     for (const uint32_t v : lower_.vertex)
         if (v == NONE) return torn(cylinder);
     if (!set_places(length)) return call_.out_of_memory();
     height_[height_.size() - 1] = c.height - 1;
-    return add_rings(cylinder, length, 0);
+    return add_rings(cylinder);
 }
 
 // Between its two boundary curves, both leaves.
 hmf_status CylinderRows::fill_annulus(uint32_t cylinder) {
     const Cylinder& c = in_.cylinders.list[cylinder];
     const int64_t n = sizes_.ring, rows = sizes_.rows[cylinder] / 2;
-    if (!read_path(c) || !set_heights(cylinder, rows)) return call_.out_of_memory();
+    if (!set_heights(cylinder, rows)) return call_.out_of_memory();
     int64_t from = -1, to = -1;
     for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
         const PathPiece& p = in_.cylinders.pieces[i];
@@ -321,8 +281,7 @@ hmf_status CylinderRows::fill_annulus(uint32_t cylinder) {
         height_[k] = static_cast<int64_t>(static_cast<double>(from) + t * static_cast<double>(to - from)) | 1;
     }
     height_[height_.size() - 1] = to - 1;
-    double path = 0;
-    if (read_leaf_at(cylinder, from + 1, 1, path)) return call_.status();
+    if (read_leaf_at(cylinder, from + 1, 1)) return call_.status();
     lower_.clear();
     for (int64_t j = 0; j < n; ++j) {
         const double place = static_cast<double>(j) / static_cast<double>(n);
@@ -332,7 +291,7 @@ hmf_status CylinderRows::fill_annulus(uint32_t cylinder) {
             return call_.out_of_memory();
     }
     if (!set_places(1)) return call_.out_of_memory();
-    return add_rings(cylinder, ruler_.length(), path);
+    return add_rings(cylinder);
 }
 
 // Of a boundary leaf that the boundary crosses twice the points in front, in the order of the leaf, with
@@ -379,8 +338,7 @@ hmf_status CylinderRows::rule_front(uint32_t cylinder) {
 
 // The first leaf of an annulus from boundary to boundary: both ends of the strip.
 hmf_status CylinderRows::start_strip_of_annulus(uint32_t cylinder) {
-    uint64_t piece = 0;
-    if (find_leaf(cylinder, 1, piece) || rule_front(cylinder)) return call_.status();
+    if (find_leaf(cylinder, 1) || rule_front(cylinder)) return call_.status();
     lower_.clear();
     upper_.clear();
     const uint32_t first = out_.vertex_count(), n = static_cast<uint32_t>(sizes_.ring / 2);
@@ -406,8 +364,7 @@ hmf_status CylinderRows::fill_strip(uint32_t cylinder) {
     const uint32_t base = out_.vertex_count();
     for (int64_t k = 1; k < m; ++k) {
         const double y = static_cast<double>(k) / static_cast<double>(m);
-        uint64_t piece = 0;
-        if (find_leaf(cylinder, height_of_row(cylinder, k), piece) || rule_front(cylinder)) return call_.status();
+        if (find_leaf(cylinder, height_of_row(cylinder, k)) || rule_front(cylinder)) return call_.status();
         for (int64_t j = 0; j <= n; ++j) {
             const double place =
                 (1 - y) * lower_.v[static_cast<size_t>(j)] + y * (1 - upper_.v[static_cast<size_t>(n - j)]);

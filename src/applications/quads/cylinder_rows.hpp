@@ -1,11 +1,8 @@
 // The rows of a cylinder: leaves at equal distances, divided where its columns meet them.
 //
-// Columns follow the conjugate direction.  Within a triangle u is linear, and
-// along a leaf the conjugate v grows by |grad u| times the length.  On a leaf it
-// is measured from where the path across the cylinder meets it; along the path
-// the conjugate of u is integrated as well, which gives the twist between both
-// boundaries; each row then corrects it, so that columns from the row before meet it at right angles
-// in the mean.  The rows between take the mean of both boundaries, weighted by height.
+// Columns follow the conjugate direction: v is known along each leaf.  Each row is turned so that the columns from the
+// row before are short and meet it at right angles in the mean, the upper boundary as well; the difference between its
+// points and the columns is divided among the rows.
 //
 // Of a double the part in front: all of a cylinder, the rows below the boundary curve in its middle (a ring), those
 // between two such curves (an annulus), or the half of each row between two points of the boundary (a strip).
@@ -28,24 +25,21 @@ private:
     [[nodiscard]] hmf_status fill_annulus(uint32_t cylinder);
     [[nodiscard]] hmf_status fill_strip(uint32_t cylinder);
 
-    Done read_path(const Cylinder& c);
-    double twist_at(const Cylinder& c, uint64_t piece, int64_t height) const;
-    double arrival(const Cylinder& c) const;
     int64_t height_of_row(uint32_t cylinder, int64_t k) const;
     Done set_heights(uint32_t cylinder, int64_t rows);
-    [[nodiscard]] hmf_status find_leaf(uint32_t cylinder, int64_t height, uint64_t& piece);
-    [[nodiscard]] hmf_status read_leaf_at(uint32_t cylinder, int64_t height, int64_t shift, double& twist);
-    [[nodiscard]] hmf_status read_row(uint32_t cylinder, size_t k, double& twist);
-    [[nodiscard]] hmf_status align_rows(uint32_t cylinder, double whole, double path, double& turn);
+    [[nodiscard]] hmf_status find_leaf(uint32_t cylinder, int64_t height);
+    [[nodiscard]] hmf_status read_leaf_at(uint32_t cylinder, int64_t height, int64_t shift);
+    [[nodiscard]] hmf_status read_row(uint32_t cylinder, size_t k);
+    Done read_upper(uint32_t boundary);
+    [[nodiscard]] hmf_status align_rows(uint32_t cylinder);
     template <class Slant>
     [[nodiscard]] hmf_status place_rows(uint32_t cylinder, const Slant& slant);
     template <class Vertex>
     [[nodiscard]] hmf_status add_grid(int64_t rows, int64_t columns, const Vertex& vertex);
-    [[nodiscard]] hmf_status add_rings(uint32_t cylinder, double whole, double path);
+    [[nodiscard]] hmf_status add_rings(uint32_t cylinder);
     Done set_places(double length);
     void points_of_row(double here);
-    double align_row(double here) const;
-    double coarse_turn(double here) const;
+    double align_row() const;
     [[nodiscard]] hmf_status start_strip_of_annulus(uint32_t cylinder);
     [[nodiscard]] hmf_status read_front_row(uint32_t cylinder, uint32_t boundary, PointRow& row);
     [[nodiscard]] hmf_status rule_front(uint32_t cylinder);
@@ -58,11 +52,10 @@ private:
     Call& call_;
     BoundaryRuler ruler_;
     Array<Crossing> leaf_;
-    Array<double> twist_;           // v along the path across a cylinder, per piece
     Array<double> place_;           // of the points of the lower row, from 0 to 1
     Array<int64_t> height_;         // per row inside, of the leaf: half units above the lower side
     bool ends_at_boundary_ = false; // the last of them lies on the boundary
-    Array<double> here_;            // per row inside: where the path meets it
+    Array<double> here_;            // per row inside: where its leaf begins in the places of the columns
     Array<Point> before_;           // points of the row before
     PointRow lower_, upper_, all_;
 };

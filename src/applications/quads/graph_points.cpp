@@ -22,7 +22,7 @@ Done GraphPoints::measure(Array<double>& length) {
 void GraphPoints::measure_leaf(const Boundary& b) {
     double v = 0;
     for (uint64_t i = b.begin; i < b.end; ++i) {
-        v_[i] = v;
+        v_[i] = i > b.begin ? std::max(v, v_[i - 1]) : v;
         if (i + 1 < b.end) v += in_.conjugate.step(in_.graph.crossings[i]);
     }
     // The middle of a tripod lies half-way before the crossing of its sector.

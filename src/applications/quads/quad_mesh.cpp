@@ -70,9 +70,9 @@ hmf_status flat_area(const QuadInput& in, double& area, Call& call) {
     return HMF_OK;
 }
 
-hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, const FrontParts* front,
-                      const QuadWish& wish, QuadMesh& out, Call& call) {
-    const QuadInput in{f, position, cylinders, cylinders.graph, front, Conjugate(f, position)};
+hmf_status make_quads(Foliation& f, const Conjugate& conjugate, const double* position, const Cylinders& cylinders,
+                      const FrontParts* front, const QuadWish& wish, QuadMesh& out, Call& call) {
+    const QuadInput in{f, position, cylinders, cylinders.graph, front, conjugate};
     QuadSizes sizes;
     GridSizes grid;
     GraphPoints points(in, grid, out, call);

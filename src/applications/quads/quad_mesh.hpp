@@ -4,6 +4,7 @@
 #include "../common/cylinder_leaves.hpp"
 #include "../lines/front_parts.hpp"
 #include "point.hpp"
+#include "quad_rulers.hpp"
 #include "quad_sizes.hpp"
 
 namespace hmf {
@@ -58,8 +59,9 @@ struct QuadWish {
 
 // position: of the vertices of f.mesh.  Cylinders of the same f.  front: of a double, only
 // what lies in front; NULL: the surface is closed.
-[[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders,
-                                    const FrontParts* front, const QuadWish& wish, QuadMesh& out, Call& call);
+[[nodiscard]] hmf_status make_quads(Foliation& f, const Conjugate& conjugate, const double* position,
+                                    const Cylinders& cylinders, const FrontParts* front, const QuadWish& wish,
+                                    QuadMesh& out, Call& call);
 
 inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.positions.data(), v); }
 

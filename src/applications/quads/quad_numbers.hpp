@@ -1,7 +1,13 @@
 // The numbers that were chosen, not derived.  Lengths are in sides of quads, areas in quads, sines those of corners.
 #pragma once
 
+#include <cstddef>
+
 namespace hmf {
+
+// How a row is turned against the row before (cylinder_rows.cpp).
+constexpr size_t SAMPLES = 16; // columns by which they are compared
+constexpr int TURNS = 64;      // tried at first
 
 // The energy of a corner (corner_energy.hpp) and of a quad (optimize_quads.cpp).
 constexpr double SIZE = 0.1, ANGLE = 0.75; // weights of the area, and of the angle, beside the shape

@@ -2,60 +2,38 @@
 #pragma once
 
 #include "../common/cylinder_leaves.hpp"
+#include "../parameterize/flat_cone_metric.hpp"
 #include "point.hpp"
 
 namespace hmf {
 
-// An area that is nothing but rounding measures nothing, as a triangle without area.
-constexpr double FLATTEST = 1e-12; // twice the area in squared sides
-
+// v of the flat metric, in units of the foliation.
 class Conjugate {
 public:
-    Conjugate(const Foliation& f, const double* position) : f_(f), position_(position) {}
+    Conjugate(const Foliation& f, const FlatConeMetric& flat, double unit) : f_(f), flat_(flat), unit_(unit) {}
 
-    // Growth of v along a leaf from crossing c to the next one.  With t the
-    // distance from the corner i that it turns round:
-    //   |grad u| * length = t |F_ij ik - F_ik ij|^2 / (F_ij F_ik |ij x ik|)
+    // Growth of v along a leaf from crossing c to the next one.  In a triangle that is turned over in (u, v) it falls.
     double step(const Crossing& c) const {
         const uint32_t k = twin(c.half_edge);
-        const bool left = turns_left(f_, c);
-        const uint32_t r = left ? k : f_.mesh.next[k];
-        const double t = 0.5 * static_cast<double>(left ? width(f_, k) - c.at : c.at);
-        const double F = static_cast<double>(f_.at(r)), G = static_cast<double>(f_.at(f_.mesh.prev(r)));
-        const Point o = at(f_.mesh.origin[r]), a = at(f_.mesh.target(r)) - o,
-                    b = at(f_.mesh.origin[f_.mesh.prev(r)]) - o;
-        const double area = twice_area(a, b);
-        return area > 0 ? t * square_of((1 / G) * b - (1 / F) * a) * F * G / area : 0;
+        const Crossing next = follow(f_, c);
+        const double from = (1 - fraction(c)) * dv(k), t = fraction(next);
+        const double to =
+            next.half_edge == f_.mesh.next[k] ? dv(k) + t * dv(next.half_edge) : (t - 1) * dv(next.half_edge);
+        // The leaf comes over k from its right to its left, and leaves over `next` from left to right.
+        return unit_ * (to - from) * sign(du(k) != 0 ? du(k) : -du(next.half_edge));
     }
-
-    // Growth of v along a half-edge on which u grows: the mean of both triangles.
-    double along(uint32_t h) const { return (in_face(h) + in_face(twin(h))) / 2; }
 
 private:
-    Point at(uint32_t v) const { return point(position_, v); }
-
-    static double twice_area(const Point& a, const Point& b) {
-        const double area = length_of(cross(a, b));
-        return area > FLATTEST * (dot(a, a) + dot(b, b)) ? area : 0;
-    }
-
-    // In the triangle left of h, where u is 0 at the origin, F at the target.
-    double in_face(uint32_t h) const {
-        const uint32_t p = f_.mesh.prev(h);
-        const double F = static_cast<double>(f_.at(h));
-        const bool behind = branch(f_, h) == 0;
-        const bool tripod = !behind && branch(f_, f_.mesh.next[h]) > 0 && branch(f_, p) > 0;
-        // Of a third corner off the segment, the branch point.
-        const double u = behind ? -static_cast<double>(f_.at(p))
-                       : tripod ? 0.5 * static_cast<double>(branch(f_, h))
-                                : static_cast<double>(f_.at(p));
-        const Point o = at(f_.mesh.origin[h]), a = at(f_.mesh.target(h)) - o, b = at(f_.mesh.origin[p]) - o;
-        const double area = twice_area(a, b);
-        return area > 0 ? (F * dot(a, b) - u * dot(a, a)) / area : 0;
+    static double sign(int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+    int64_t du(uint32_t h) const { return flat_.du.at(flat_.bundle, h); }
+    double dv(uint32_t h) const { return static_cast<double>(flat_.dv.at(flat_.bundle, h)); }
+    double fraction(const Crossing& c) const {
+        return static_cast<double>(c.at) / static_cast<double>(width(f_, c.half_edge));
     }
 
     const Foliation& f_;
-    const double* position_;
+    const FlatConeMetric& flat_;
+    double unit_;
 };
 
 // A polyline with v along it, for points at given v.
@@ -74,7 +52,7 @@ struct Ruler {
         sides.clear();
     }
     Done push(double value, const Point& p, uint32_t side) {
-        return v.push(value) && points.push(p) && sides.push(side);
+        return v.push(v.empty() || value > v.back() ? value : v.back()) && points.push(p) && sides.push(side);
     }
     double length() const { return v.back(); }
     // Also the side of the triangle it lies in.

@@ -83,7 +83,8 @@ private:
         first.exact = wish_.count > 0;
         first.merge = wish_.merge;
         first.keep_poles = wish_.keep_poles;
-        if (make_quads(f_, position_, cylinders_, wish_.front, first, out, call_)) return call_.status();
+        if (make_quads(f_, *wish_.conjugate, position_, cylinders_, wish_.front, first, out, call_))
+            return call_.status();
         if (wish_.front) front_.bring_forward(position_, out);
         return HMF_OK;
     }

@@ -14,6 +14,7 @@ struct SizedQuads {
     double share = 1;                       // of the mesh, that the caller sees: 1/2 of a double
     const FrontParts* front = nullptr;      // of a double
     const Reflection* reflection = nullptr; // likewise
+    const Conjugate* conjugate = nullptr;
 };
 
 // area: of what the caller sees.  figures: of the quads made.
