@@ -27,8 +27,8 @@ test::TriMesh sheared_torus(uint32_t n, uint32_t m, uint32_t shear) {
 
 } // namespace
 
-// By Riemann's bilinear relation all closed leaves of a cylinder are equally long in v: its area by its height.  A torus
-// has one cylinder, and no zero that is moved.
+// By Riemann's bilinear relation all closed leaves of a cylinder are equally long in v: its area by its height.  A
+// torus has one cylinder, and no zero that is moved.
 TEST(QuadColumns, LeavesOfACylinderAreEquallyLong) {
     for (const uint32_t shear : {0, 3, 7}) {
         const test::SolvedSurface surface(sheared_torus(24, 16, shear), {});

@@ -8,13 +8,12 @@ namespace {
 constexpr uint32_t CYLINDERS_STRIDE = 65536; // elements between two reports
 } // namespace
 
-Crossing leaf_at(const Foliation& f, const Cylinders& cylinders, uint32_t cylinder, int64_t height, uint64_t* piece) {
+Crossing leaf_at(const Foliation& f, const Cylinders& cylinders, uint32_t cylinder, int64_t height) {
     const Cylinder& c = cylinders.list[cylinder];
-    const PathPiece *const pieces = cylinders.pieces.data(), *const first = pieces + c.path_begin;
+    const PathPiece* const pieces = cylinders.pieces.data();
     // The last piece that begins below.
-    const PathPiece& p = std::upper_bound(first + 1, pieces + c.path_end, height,
+    const PathPiece& p = std::upper_bound(pieces + c.path_begin + 1, pieces + c.path_end, height,
                                           [](int64_t at, const PathPiece& beyond) { return at < beyond.height; })[-1];
-    if (piece) *piece = static_cast<uint64_t>(&p - pieces);
     return reversed(f, {p.half_edge, p.from + (height - p.height)});
 }
 

@@ -11,9 +11,8 @@ inline bool turns_left(const Foliation& f, const Crossing& c) {
 }
 
 // The leaf at a height (half units above the lower critical leaves, odd), where it crosses the path; it has the
-// direction of the lower boundary leaf.  piece: of the path, unless NULL.
-Crossing leaf_at(const Foliation& f, const Cylinders& cylinders, uint32_t cylinder, int64_t height,
-                 uint64_t* piece = nullptr);
+// direction of the lower boundary leaf.
+Crossing leaf_at(const Foliation& f, const Cylinders& cylinders, uint32_t cylinder, int64_t height);
 
 // Which cylinder a leaf lies in, and how high (half units).
 [[nodiscard]] hmf_status locate(Foliation& f, Cylinders& cylinders, const Crossing& c, uint32_t& cylinder,

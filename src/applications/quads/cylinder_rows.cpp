@@ -11,7 +11,7 @@ namespace {
 
 constexpr double MOST_SHIFT = 1e15; // of the columns of two boundaries: what doubles tell apart
 
-// The place of a column on a row that the path meets at `here`.
+// The place of a column on a row that begins at `here`.
 double on_row(double place, double here) {
     place -= here;
     return place - std::floor(place);
