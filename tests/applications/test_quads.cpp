@@ -237,18 +237,15 @@ TEST(Quads, VeryFineSizes) {
 // Quads much smaller than the triangles are as good as larger ones, but for one of four rotations (before each
 // attempt to untangle looked further than the last, three had an inverted quad).
 TEST(Quads, FinerThanTheTriangles) {
-    size_t tangled = 0;
     for (int turn = 0; turn < sample(4, 1); ++turn) {
         SCOPED_TRACE(turn);
         const SolvedSurface surface(transformed(pretzel(2, 1), rotation(1, 2, 3, turn)));
-        const Made made = quads_of(surface.solution.foliation, wish(60000, 10));
+        const Made made = quads_of(surface.solution.foliation, wish(30000, 10));
         ASSERT_TRUE(made);
         expect_sound(*made, 2);
-        EXPECT_NEAR(static_cast<double>(made->quad_count), 60000, 0.03 * 60000);
-        if (turn == 0) { EXPECT_EQ(made->inverted_count, 0u); }
-        tangled += made->inverted_count > 0;
+        EXPECT_NEAR(static_cast<double>(made->quad_count), 30000, 0.03 * 30000);
+        EXPECT_EQ(made->inverted_count, 0u);
     }
-    EXPECT_LE(tangled, 1u);
 }
 
 // Near the least possible number rounding stretches quads so much that some fold over: more are made.
