@@ -196,7 +196,8 @@ Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, Point from, Point 
     for (size_t b = 0; b < bend_.size(); ++b) {
         size_t first = 0, count = 0;
         bool shorter = false;
-        if (!look_outside(loop, n, b, from, to, first, count, shorter)) return false;
+        if (!look_outside(loop, n, b, from, to, first, count, shorter) || !call_.work(16 * outside_.size()))
+            return false;
         if (!shorter) continue;
         bool taken = false;
         for (size_t k = 0; k < count; ++k) taken |= detours_at_[(first + k) % n] != NONE;

@@ -373,9 +373,9 @@ private:
             if (found_ || !search_.budget_exhausted() || exceeds_budget(allowed)
                 || (by_count_ && states_per_region_ == MOST_STATES))
                 break;
-            // A loop that winds a lot needs more room in its covering.  Where short
-            // ways in other directions use that up, each edge counts the same.
-            if (states_per_region_ < MOST_STATES) states_per_region_ *= 4;
+            // Short ways in other directions use the room in the covering up: each edge counts the same.  A loop that
+            // winds a lot needs more room even so.
+            if (by_count_) states_per_region_ *= 4;
             else count_edges();
             if (!prepare()) return call_.out_of_memory();
         }

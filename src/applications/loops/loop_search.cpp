@@ -17,19 +17,20 @@ Done LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     budget_exhausted_ = false;
     size_t places = edge_label_ ? 2 : 0;
     for (table_shift_ = 63; edge_label_ && places < 2 * states; places *= 2) --table_shift_;
+    clear_states();
     if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0)
         || !nearest_root_.allocate_filled(memory, n, HUGE_VAL) || !state_.allocate(memory, states)
-        || !covered_.allocate(memory, edge_label_ ? states : 0) || !table_.allocate_filled(memory, places, NONE)
-        || !order_.reserve(states) || !heap_.reserve(3 * states + 1))
+        || !covered_.allocate(memory, edge_label_ ? states : 0)
+        || (table_.size() != places && !table_.allocate_filled(memory, places, NONE)) || !order_.reserve(states)
+        || !heap_.reserve(3 * states + 1))
         return false;
-    state_count_ = 0;
     for (size_t i = 0; i < 3 * n; ++i) {
         const uint32_t link = cut_.link[i], segment = link >> 1;
         arc_[i] = link == NONE ? Arc{0, 0, NONE, NONE}
                                : Arc{edge_length_[cut_.segment_edge[segment]], signatures.of[segment],
                                      cut_.region[link ^ 1u], link};
     }
-    for (uint32_t s = 0; s < states; ++s) state_[s] = {0, 0, 0, s, NONE, NONE};
+    for (uint32_t s = 0; s < n && !edge_label_; ++s) state_[s] = {0, 0, 0, s, NONE, NONE}; // else as they are made
     return true;
 }
 
@@ -60,8 +61,7 @@ Done LoopSearch::search(uint32_t root, double limit, double kept) {
     ++epoch_;
     heap_.clear();
     order_.clear();
-    for (uint32_t s = 0; s < state_count_; ++s) table_[covered_[s].place] = NONE;
-    state_count_ = 0;
+    clear_states();
     exhausted_here_ = false;
     const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
@@ -75,7 +75,8 @@ Done LoopSearch::search(uint32_t root, double limit, double kept) {
         if (2 * here >= reach) break;
         state_[s].stamp = 2 * epoch_ + 1;
         order_.add(s);
-        if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
+        ++work_;
+        if (!call_.work(64)) return false;
         const Arc* const arcs = &arc_[3 * size_t{state_[s].region}];
         const uint64_t label = edge_label_ ? covered_[s].label : 0, signature_here = state_[s].signature;
         for (uint32_t i = 0; i < 3; ++i) {

@@ -116,6 +116,9 @@ private:
     Done keep(const Closing& closing);
     void raise_bound(uint32_t region, double length) { bound_[region] = std::max(bound_[region], length); }
     uint32_t find_state(uint32_t region, uint64_t label, bool make);
+    void clear_states() {
+        while (state_count_ > 0) table_[covered_[--state_count_].place] = NONE;
+    }
     uint64_t label_after(uint64_t label, uint32_t half_segment) const {
         const uint64_t add = edge_label_[cut_.segment_edge[half_segment >> 1]];
         return half_segment & 1u ? label - add : label + add;
