@@ -6,8 +6,7 @@
 // of all balances is even.  A balance that is off is led along a path of arcs,
 // one more quad or one less on each, to another that is off: the cheapest path
 // through the states (cylinder, change that it still needs), where a change costs
-// what it adds to the sum of (columns - wish)^2 / wish.  If lengths do not fit together at all, balances are off by
-// millions; a path is then used many times in one step.
+// what it adds to the sum of (columns - wish)^2 / wish.
 //
 // The equations can force an arc to have no length: where two zeros coincide in
 // truth, as symmetry asks, a discrete foliation has them a little apart, in some
@@ -38,8 +37,7 @@ constexpr int64_t LEAST_ROUND = 3;      // columns of a cylinder, or of a circle
 constexpr int64_t LEAST_OVER_POLES = 2; // on an arc between two poles: one quad closes the end
 constexpr int64_t MOST_ROWS_NEEDED = 3;
 constexpr double MOST_LINES = 1 << 24;
-constexpr double BELOW_SOFT = 1e6, FROM_MERGED = 4;         // costs
-constexpr int64_t SHARE_OF_BALANCE = 64, SHARE_OF_ARC = 16; // that change at once
+constexpr double BELOW_SOFT = 1e6, FROM_MERGED = 4; // costs
 
 int64_t rounded(double x) { return static_cast<int64_t>(std::floor(x + 0.5)); }
 
@@ -166,33 +164,14 @@ Done QuadSizes::search(uint32_t start, uint32_t& last, uint32_t& last_state, Cal
     return true;
 }
 
-// How often the path found may be taken before the next search, so that costs stay about what they are: a small part of
-// what is off at both ends, and of what each arc has or is off.
-int64_t QuadSizes::times_at_once(uint32_t start, uint32_t last, uint32_t last_state) const {
-    const auto size = [](int64_t x) { return x < 0 ? -x : x; };
-    const int64_t ends[2] = {size(off_[start]), size(off_[cylinder(graph().arcs[last].twin)])};
-    int64_t most = std::min(ends[0], ends[1]) / SHARE_OF_BALANCE;
-    uint32_t a = last, state = last_state;
-    while (most > 1) {
-        const bool less = (state % 2 ? 1 : -1) * sign(a) < 0;
-        const int64_t off = size(columns[a] - rounded(wish_[a]));
-        most = std::min(most, std::max(rounded(wish_[a]), off) / SHARE_OF_ARC);
-        if (less) most = std::min(most, columns[a] - (columns[a] > soft_[a] ? soft_[a] : floor_[a]));
-        if (from_[state].arc == NONE) break;
-        a = from_[state].arc;
-        state = from_[state].state;
-    }
-    return std::max<int64_t>(most, 1);
-}
-
 // Changes the arcs of the path found; false, and nothing changed, if one of
 // them cannot give that much.
-bool QuadSizes::apply(uint32_t last, uint32_t last_state, int64_t times) {
+bool QuadSizes::apply(uint32_t last, uint32_t last_state) {
     bool fits = true;
     for (int round = 0; round < 2; ++round) {
         uint32_t a = last, state = last_state;
         for (;;) {
-            const int64_t by = (state % 2 ? times : -times) * sign(a);
+            const int64_t by = (state % 2 ? 1 : -1) * sign(a);
             change(a, round == 1 ? -by : by); // or back
             if (columns[a] < floor_[a]) {
                 fits = false;
@@ -218,8 +197,7 @@ hmf_status QuadSizes::balance(bool& matched, Call& call) {
                 uint32_t last = NONE, last_state = 0;
                 if (!search(c, last, last_state, call)) return call.stopped();
                 if (last == NONE) break;
-                const int64_t times = times_at_once(c, last, last_state);
-                done = apply(last, last_state, times) || (times > 1 && apply(last, last_state, 1));
+                done = apply(last, last_state);
             }
             if (done) continue;
             matched = false;

@@ -65,8 +65,7 @@ private:
     [[nodiscard]] hmf_status balance(bool& matched, Call& call);
     double cost(uint32_t a, int64_t change) const;
     Done search(uint32_t start, uint32_t& last, uint32_t& last_state, Call& call);
-    int64_t times_at_once(uint32_t start, uint32_t last, uint32_t last_state) const;
-    bool apply(uint32_t last, uint32_t last_state, int64_t times);
+    bool apply(uint32_t last, uint32_t last_state);
     void change(uint32_t a, int64_t by);
     bool raise(uint32_t a, int64_t to);
     [[nodiscard]] hmf_status mend(bool& mended, Call& call);
