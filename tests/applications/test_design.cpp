@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -373,6 +375,30 @@ TEST(EvenDesign, SmallSpheres) {
     const auto box = design(subdivide(plate(0)));
     ASSERT_TRUE(box);
     EXPECT_GE(box->marked_count, 4u);
+}
+
+// A flat L whose sides have jags of half an edge: one pole at each convex corner, none at the other one.
+TEST(EvenDesign, ConvexCornersOfTheBoundary) {
+    const uint32_t n = 24;
+    TriMesh mesh;
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> number;
+    const auto vertex = [&](uint32_t i, uint32_t j) {
+        const auto made = number.insert({{i, j}, static_cast<uint32_t>(number.size())});
+        const bool jag = j == 0 && i % 4 == 2;
+        if (made.second) mesh.positions.insert(mesh.positions.end(), {1.0 * i, jag ? 0.5 : j, 0.0});
+        return made.first->second;
+    };
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t j = 0; j < (i < n / 3 ? n : n / 3); ++j) {
+            const uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+            mesh.triangles.insert(mesh.triangles.end(), {a, b, c, a, c, d});
+        }
+    const auto made = design(mesh);
+    ASSERT_TRUE(made);
+    const std::vector<uint32_t> marks = marks_of(*made);
+    const std::set<uint32_t> corners = {vertex(0, 0), vertex(n, 0), vertex(n, n / 3), vertex(n / 3, n), vertex(0, n)};
+    EXPECT_EQ(std::set<uint32_t>(marks.begin(), marks.end()), corners);
+    EXPECT_EQ(solve_design(mesh, *made).status, HMF_OK);
 }
 
 // Without other poles a design is one for a hierarchy that exists, on spheres as well.
