@@ -377,7 +377,7 @@ TEST(EvenDesign, SmallSpheres) {
     EXPECT_GE(box->marked_count, 4u);
 }
 
-// A flat L whose sides have jags of half an edge: one pole at each convex corner, none at the other one.
+// A flat L with jags as long as an edge: one pole at each convex corner, none at the other one.
 TEST(EvenDesign, ConvexCornersOfTheBoundary) {
     const uint32_t n = 24;
     TriMesh mesh;
@@ -385,7 +385,7 @@ TEST(EvenDesign, ConvexCornersOfTheBoundary) {
     const auto vertex = [&](uint32_t i, uint32_t j) {
         const auto made = number.insert({{i, j}, static_cast<uint32_t>(number.size())});
         const bool jag = j == 0 && i % 4 == 2;
-        if (made.second) mesh.positions.insert(mesh.positions.end(), {1.0 * i, jag ? 0.5 : j, 0.0});
+        if (made.second) mesh.positions.insert(mesh.positions.end(), {1.0 * i, jag ? -0.9 : j, 0.0});
         return made.first->second;
     };
     for (uint32_t i = 0; i < n; ++i)
