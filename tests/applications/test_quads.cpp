@@ -307,9 +307,9 @@ TEST(Quads, TrianglesThatAreFlatUpToRounding) {
             }
 }
 
-// Local gradients that differ by a factor of a million, beside triangles of 0.00001 degrees: by lengths along leaves that
-// follow them, the columns of a cylinder's two sides would be millions apart. By those of the flat surface few steps
-// match them (each asks once for progress), and the quads are as many as wished and sound.
+// Local gradients that differ by a factor of a million, beside triangles of 0.00001 degrees: by lengths that follow
+// them, the columns of a cylinder's two sides would be millions apart. By those of the flat surface few steps match
+// them (each asks once for progress), and the quads are as many as wished and sound.
 TEST(Quads, ColumnsThatAreMillionsApart) {
     hmf_hierarchy_options build{};
     build.struct_size = sizeof build;
