@@ -140,11 +140,28 @@ TEST(MapCampaign, OtherCorners) {
     EXPECT_EQ(tally.maps, 1u);
 }
 
+// Sides longer than 2^52 units: the layout is moved by multiples of that, so that periods stay what they are.
+TEST(MapCampaign, LongSides) {
+    Tally tally;
+    Random sphere_of(604), torus_of(1765);
+    run(sphere(sphere_of), false, tally);
+    run(marked(torus_of), false, tally);
+    EXPECT_EQ(tally.maps, 2u);
+}
+
 // With the nearest corners the energy is within its bounds, and a circumference 47 times too large.
 TEST(MapCampaign, Circumferences) {
     Tally tally;
     Random random(85);
     run(marked(random), false, tally);
+    EXPECT_EQ(tally.maps + tally.refused, 1u);
+}
+
+// With the nearest corners the energy is 0.76 times that of the foliation, and each circumference within its bounds.
+TEST(MapCampaign, Energies) {
+    Tally tally;
+    Random random(1728);
+    run(genus_three_pants(random), false, tally);
     EXPECT_EQ(tally.maps + tally.refused, 1u);
 }
 

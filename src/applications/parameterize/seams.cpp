@@ -255,10 +255,7 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
         const uint32_t h = twin(t);
         chart[mesh.face[t]] = static_cast<int8_t>(chart[mesh.face[h]] * bundle.turn[edge_of(t)]);
         // Too far from 0 for an exact double: a seam with a translation more.
-        const auto inside = [](int64_t x) {
-            const int64_t nearer = x > limit ? x - limit : x < -limit ? x + limit : x;
-            return nearer > limit || nearer < -limit ? 0 : nearer;
-        };
+        const auto inside = [](int64_t x) { return x > limit || x < -limit ? x % limit : x; };
         const Point& beside = at[mesh.next[h]];
         at[t] = {inside(beside.u), inside(beside.v)};
         lay(t);

@@ -194,6 +194,7 @@ TEST(FlatPolygons, EveryFlipIsChecked) {
         ASSERT_GT(flipped.log.count, 100u);
         EXPECT_EQ(flipped.bad(), hmf::NONE);
         Random random(n);
+        size_t by_sides = 0;
         for (int round = 0; round < 40; ++round) {
             const uint32_t edge = flipped.edges[random.below(flipped.log.count)], face = flipped.mesh.face[2 * edge];
             double* const broken[] = {&flipped.sum[edge], &flipped.metric.length[edge],
@@ -207,10 +208,18 @@ TEST(FlatPolygons, EveryFlipIsChecked) {
             const hmf::TwoDoubles whole_fine = fine[k] ? *fine[k] : hmf::TwoDoubles{};
             if (fine[k]) *fine[k] = 1.0001 * whole_fine;
             EXPECT_NE(flipped.bad(), hmf::NONE) << k;
+            if (k == 2) { // and sums of cotangents that follow the area
+                const std::vector<double> sums = flipped.sum;
+                for (uint32_t e = 0; e < flipped.mesh.edge_count; ++e)
+                    flipped.sum[e] = hmf::cotangent_sum(flipped.mesh, flipped.metric, e);
+                by_sides += flipped.bad() != hmf::NONE; // where rounding leaves it open how thin the triangle is: not
+                flipped.sum = sums;
+            }
             *broken[k] = whole;
             if (fine[k]) *fine[k] = whole_fine;
         }
         EXPECT_EQ(flipped.bad(), hmf::NONE);
+        EXPECT_GT(by_sides, 0u);
     }
 }
 
