@@ -129,7 +129,7 @@ Done SparseFactor::find_tree(const SignedMatrix& matrix, Call& call, uint64_t& e
             }
         }
         if (!call.work(entries - before + matrix.offset[i + 1] - matrix.offset[i])) return false;
-        if (entries > MOST_ENTRIES * n) return true;
+        if (entries > most_entries(n)) return true;
     }
     first_[0] = 0;
     for (uint32_t k = 0; k < n; ++k) first_[k + 1] = first_[k] + count[k];
@@ -183,7 +183,7 @@ Done SparseFactor::build(const SignedMatrix& matrix, Call& call, double shift) {
     if (matrix.n > MOST_UNKNOWNS) return true;
     uint64_t entries = 0;
     if (!number_unknowns(matrix, call) || !find_tree(matrix, call, entries)) return false;
-    if (entries > MOST_ENTRIES * matrix.n) return true;
+    if (entries > most_entries(matrix.n)) return true;
     if (!row_.allocate(call.memory, static_cast<size_t>(entries))
         || !entry_.allocate(call.memory, static_cast<size_t>(entries)) || !diagonal_.allocate(call.memory, matrix.n)
         || !y_.allocate_filled(call.memory, matrix.n, 0.0) || !eliminate(matrix, call, shift))

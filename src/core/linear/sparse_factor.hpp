@@ -19,8 +19,8 @@ namespace hmf {
 
 class SparseFactor {
 public:
-    // Done, with an empty factor, also for more than most_unknowns, or where it would have more than most_entries a
-    // row: then there is no solution from here.  Rows with the diagonal 0 are left out.
+    // Done, with an empty factor, also for more than MOST_UNKNOWNS, or where it would have more than most_entries:
+    // then there is no solution from here.  Rows with the diagonal 0 are left out.
     // shift: is added to the diagonal, which bounds what is near a kernel.
     Done build(const SignedMatrix& matrix, Call& call, double shift = 0);
     bool empty() const { return n_ == 0; }
@@ -28,8 +28,8 @@ public:
     template <class Real>
     void solve(const Real* b, Real* x);
 
-    static constexpr uint32_t MOST_UNKNOWNS = 200000;
-    static constexpr uint64_t MOST_ENTRIES = 200;
+    static constexpr uint32_t MOST_UNKNOWNS = 500000;
+    static uint64_t most_entries(uint64_t n) { return n < 200000 ? 200 * n : 40000000; } // of n unknowns
 
 private:
     Done number_unknowns(const SignedMatrix& matrix, Call& call);
