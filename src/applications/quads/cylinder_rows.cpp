@@ -144,8 +144,9 @@ double CylinderRows::align_row() const {
         least = there;
         here = turn;
     };
-    for (int t = 0; t < TURNS; ++t) try_at(static_cast<double>(t) / TURNS);
-    for (double step = 0.5 / TURNS; step > h; step /= 2) {
+    const double coarse = 0.25 / SAMPLES;
+    for (size_t t = 0; t < 4 * SAMPLES; ++t) try_at(static_cast<double>(t) * coarse);
+    for (double step = coarse / 2; step > h; step /= 2) {
         const double middle = here;
         try_at(middle - step);
         try_at(middle + step);

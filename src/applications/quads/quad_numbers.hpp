@@ -6,8 +6,7 @@
 namespace hmf {
 
 // How a row is turned against the row before (cylinder_rows.cpp).
-constexpr size_t SAMPLES = 16; // columns by which they are compared
-constexpr int TURNS = 64;      // tried at first
+constexpr size_t SAMPLES = 16; // columns by which they are compared, and turns tried at first, four for each
 
 // The energy of a corner (corner_energy.hpp) and of a quad (optimize_quads.cpp).
 constexpr double SIZE = 0.1, ANGLE = 0.75; // weights of the area, and of the angle, beside the shape
