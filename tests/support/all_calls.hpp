@@ -320,8 +320,8 @@ private:
                               [&f, this](auto c, auto out, auto e) { return hmf_cylinders(f.get(), &set, c, out, e); });
         add<hmf_cylinder_set>("hmf_cylinders, no loops",
                               [&f](auto c, auto out, auto e) { return hmf_cylinders(f.get(), nullptr, c, out, e); });
-        add<hmf_quad_mesh>("hmf_quads",
-                           [&f](auto c, auto out, auto e) { return hmf_quads(f.get(), nullptr, c, out, e); });
+        add<hmf_quad_mesh>(
+            "hmf_quads", [&f](auto c, auto out, auto e) { return hmf_quads(f.get(), nullptr, c, out, e); }, minimum);
     }
 };
 

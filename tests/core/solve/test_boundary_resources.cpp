@@ -56,6 +56,11 @@ struct Calls {
             status = visit([&](const hmf_control* control) {
                 return hmf_solve(hierarchy, loops, nullptr, control, &foliation, &error);
             });
+        if (!status) { // its flat surface stays with the foliation
+            hmf_parameterization* flat = nullptr;
+            status = hmf_parameterize(foliation, nullptr, nullptr, &flat, &error);
+            hmf_free(flat);
+        }
         if (!status)
             status = visit([&](const hmf_control* control) {
                 hmf_quad_options wish = quad_options(0, true, 2);
@@ -72,11 +77,6 @@ struct Calls {
                 hmf_free(cylinders);
                 return s;
             });
-        if (!status) { // its flat surface stays with the foliation
-            hmf_parameterization* flat = nullptr;
-            status = hmf_parameterize(foliation, nullptr, nullptr, &flat, &error);
-            hmf_free(flat);
-        }
         if (!status)
             status = visit([&](const hmf_control* control) {
                 hmf_chart_set* charts = nullptr;
