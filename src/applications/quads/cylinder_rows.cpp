@@ -337,6 +337,11 @@ hmf_status CylinderRows::rule_front(uint32_t cylinder) {
     return torn(cylinder);
 }
 
+// A point of the line of ruler_, which begins and ends on the boundary.
+uint32_t CylinderRows::place_on_strip(double place, bool begins, bool ends, Point& p) const {
+    return begins ? ruler_.begin(p) : ends ? ruler_.end(p) : ruler_.point(place * ruler_.length(), p);
+}
+
 // The first leaf of an annulus from boundary to boundary: both ends of the strip.
 hmf_status CylinderRows::start_strip_of_annulus(uint32_t cylinder) {
     if (find_leaf(cylinder, 1) || rule_front(cylinder)) return call_.status();
@@ -346,7 +351,7 @@ hmf_status CylinderRows::start_strip_of_annulus(uint32_t cylinder) {
     for (uint32_t j = 0; j <= n; ++j) {
         const double t = static_cast<double>(j) / static_cast<double>(n);
         Point p;
-        const uint32_t side = ruler_.point(t * ruler_.length(), p);
+        const uint32_t side = place_on_strip(t, j == 0, j == n, p);
         if (!out_.add_vertex(p, side, j == 0 || j == n ? AT_BOUNDARY : uint8_t{0}) || !lower_.push(first + j, t)
             || !upper_.push(first + (n - j), t))
             return call_.out_of_memory();
@@ -370,7 +375,7 @@ hmf_status CylinderRows::fill_strip(uint32_t cylinder) {
             const double place =
                 (1 - y) * lower_.v[static_cast<size_t>(j)] + y * (1 - upper_.v[static_cast<size_t>(n - j)]);
             Point p;
-            const uint32_t side = ruler_.point(place * ruler_.length(), p);
+            const uint32_t side = place_on_strip(place, j == 0, j == n, p);
             if (!out_.add_vertex(p, side, j == 0 || j == n ? AT_BOUNDARY : uint8_t{0})) return call_.out_of_memory();
         }
     }

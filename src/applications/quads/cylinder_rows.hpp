@@ -40,6 +40,7 @@ private:
     Done set_places(double length);
     void points_of_row(double here);
     double align_row() const;
+    uint32_t place_on_strip(double place, bool begins, bool ends, Point& p) const;
     [[nodiscard]] hmf_status start_strip_of_annulus(uint32_t cylinder);
     [[nodiscard]] hmf_status read_front_row(uint32_t cylinder, uint32_t boundary, PointRow& row);
     [[nodiscard]] hmf_status rule_front(uint32_t cylinder);

@@ -114,14 +114,18 @@ uint32_t GraphPoints::zero_point(uint32_t zero, Point& p) const {
     return z.element;
 }
 
+// Where an arc crosses the boundary.
+uint32_t GraphPoints::boundary_point(uint32_t a, Point& p) const {
+    const Crossing& c = in_.graph.crossings[in_.front->arc_middle[a]];
+    p = in_.place_of({c.half_edge, c.at + 1});
+    return in_.front->crosses_to_back(c) ? c.half_edge : twin(c.half_edge);
+}
+
 // Where the arc without columns crosses the boundary.
 uint32_t GraphPoints::point_across(uint32_t z, Point& p) const {
     for (uint32_t a = 0; a < in_.graph.arcs.size(); ++a)
-        if (sizes_.columns[a] == 0 && in_.is_half(a) && joined_[zero_of(in_.graph.arcs[a].from)] == z) {
-            const Crossing& c = in_.graph.crossings[in_.front->arc_middle[a]];
-            p = in_.place_of({c.half_edge, c.at + 1});
-            return in_.front->crosses_to_back(c) ? c.half_edge : twin(c.half_edge);
-        }
+        if (sizes_.columns[a] == 0 && in_.is_half(a) && joined_[zero_of(in_.graph.arcs[a].from)] == z)
+            return boundary_point(a, p);
     return zero_point(z, p);
 }
 
@@ -162,9 +166,9 @@ Done GraphPoints::place_arc(uint32_t a) {
     along_[arc.twin] = 0;
     const int64_t n = sizes_.columns[a];
     for (int64_t i = first_point(a); i <= last_point(a); ++i) {
-        side = ruler_.point(on_arc(a, i), p);
-        const bool held = on_boundary || (in_.is_half(a) && 2 * i == n);
-        if (!out_.add_vertex(p, side, held ? AT_BOUNDARY : uint8_t{0})) return false;
+        const bool across = in_.is_half(a) && 2 * i == n;
+        side = across ? boundary_point(a, p) : ruler_.point(on_arc(a, i), p);
+        if (!out_.add_vertex(p, side, on_boundary || across ? AT_BOUNDARY : uint8_t{0})) return false;
     }
     return true;
 }

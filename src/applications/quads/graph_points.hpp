@@ -40,6 +40,7 @@ private:
     Done place_zeros();
     void find_place(uint32_t z, uint32_t& place, bool& in_front, bool& at_boundary) const;
     uint32_t zero_point(uint32_t zero, Point& p) const;
+    uint32_t boundary_point(uint32_t a, Point& p) const;
     uint32_t point_across(uint32_t z, Point& p) const;
     Done push_crossing(uint64_t i);
     Done push_boundary_arc(const ArcSide& arc, uint64_t last);

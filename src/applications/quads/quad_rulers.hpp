@@ -70,6 +70,15 @@ struct Ruler {
         p = points[low] + t * (points[high] - points[low]);
         return sides[low];
     }
+    // The ends of the line, also where v does not grow at once.
+    uint32_t begin(Point& p) const {
+        p = points[0];
+        return sides[0];
+    }
+    uint32_t end(Point& p) const {
+        p = points.back();
+        return sides[sides.size() - 2];
+    }
 };
 
 } // namespace hmf
