@@ -60,8 +60,8 @@ inline void cylinders_of_loops(const hmf_foliation* f, const LoopArrays& loops, 
 inline void quads_to_order(Bytes& bytes, const hmf_foliation* f, bool memory_is_short) {
     hmf_quad_options options = sized<hmf_quad_options>();
     options.edge_length = 0.3 + bytes.below(16) / 8.0;
-    result_of<hmf_quad_mesh>({HMF_ERROR_QUADS, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
-                             [&](auto out) { return hmf_quads(f, &options, nullptr, out, nullptr); });
+    result_of<hmf_quad_mesh>({HMF_ERROR_QUADS, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS, HMF_ERROR_VALUE_NOT_HARMONIC},
+                             memory_is_short, [&](auto out) { return hmf_quads(f, &options, nullptr, out, nullptr); });
 }
 
 inline void seams_to_order(Bytes& bytes, const hmf_foliation* f, bool memory_is_short) {

@@ -701,7 +701,8 @@ typedef struct hmf_quad_mesh {
  * eight times as many as the cylinders need at least.
  *
  * The columns follow v of the flat surface of hmf_parameterize, which is computed once for each
- * foliation and kept with it.
+ * foliation and kept with it.  So the foliation must be harmonic: if the energy of its values is
+ * more than 1 % above the minimum, the call fails with HMF_ERROR_VALUE_NOT_HARMONIC.
  *
  * Returns HMF_OK, HMF_CANCELLED, or
  *   HMF_ERROR_QUADS        even these do not follow the surface; a part of the surface that no

@@ -1,6 +1,7 @@
 // applications.h: quads.
 #include "../cylinders/to_minimum.hpp"
 #include "../quads/fit_quads.hpp"
+#include "../quads/quad_mesh.hpp"
 #include "../quads/sized_quads.hpp"
 #include "../../core/api/result.hpp"
 #include "application_entry.hpp"
@@ -42,10 +43,11 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     Leaves leaves;
     Reflection reflection;
     FrontParts front;
+    if (leaves.load(*foliation, call, &reflection) || refuse_wide_zeros(leaves.cylinders.graph, call))
+        return call.status();
     FlatOf flat;
     const auto improve = [&](State& solved, double& unit) { return to_minimum(solved, unit, call); };
     if (const hmf_status status = flat.find(*foliation, entry, HARMONIC_TOLERANCE, improve)) return status;
-    if (leaves.load(*foliation, call, &reflection)) return call.status();
     Foliation& f = leaves.state.foliation;
     if (h.is_double() && front.build(f, reflection, leaves.cylinders, call)) return call.status();
     SizedQuads wish;

@@ -26,6 +26,21 @@ namespace hmf {
 
 namespace {
 
+// For a double, with twice the step: the sum of both halves has the requested size.
+hmf_status find_sizes(const QuadInput& in, const GraphPoints& points, const Array<double>& length, const QuadWish& wish,
+                      double step, QuadSizes& sizes, Call& call) {
+    const double ring_length = in.graph.zeros.empty() ? points.length(0) : 0;
+    if (!(step > 0) || !std::isfinite(step))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
+    if (sizes.start(in.cylinders, length, ring_length, wish.merge, call)) return call.status();
+    if (in.front) step *= 2;
+    if (!wish.exact) return sizes.of_step(step, call);
+    const int64_t count = static_cast<int64_t>(std::floor(wish.number + 0.5));
+    return sizes.of_count(step, in.front ? count / 2 + 1 : count, call);
+}
+
+} // namespace
+
 hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
     for (uint32_t z = 0; z < graph.zeros.size(); ++z)
         if (graph.zeros[z].euler != 1)
@@ -41,21 +56,6 @@ hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
                              "Give loops between them.");
     return HMF_OK;
 }
-
-// For a double, with twice the step: the sum of both halves has the requested size.
-hmf_status find_sizes(const QuadInput& in, const GraphPoints& points, const Array<double>& length, const QuadWish& wish,
-                      double step, QuadSizes& sizes, Call& call) {
-    const double ring_length = in.graph.zeros.empty() ? points.length(0) : 0;
-    if (!(step > 0) || !std::isfinite(step))
-        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
-    if (sizes.start(in.cylinders, length, ring_length, wish.merge, call)) return call.status();
-    if (in.front) step *= 2;
-    if (!wish.exact) return sizes.of_step(step, call);
-    const int64_t count = static_cast<int64_t>(std::floor(wish.number + 0.5));
-    return sizes.of_count(step, in.front ? count / 2 + 1 : count, call);
-}
-
-} // namespace
 
 hmf_status flat_area(const QuadInput& in, double& area, Call& call) {
     Curves middle;
@@ -78,7 +78,6 @@ hmf_status make_quads(Foliation& f, const Conjugate& conjugate, const double* po
     GraphPoints points(in, grid, out, call);
     CylinderRows rows(in, grid, points, out, call);
     Array<double> length; // of each side of an arc
-    if (refuse_wide_zeros(in.graph, call)) return call.status();
     if (!grid.allocate(in, call.memory) || !points.measure(length)) return call.out_of_memory();
     if (!call.tick(0)) return call.was_cancelled();
     double area = 0;

@@ -57,6 +57,9 @@ struct QuadWish {
     bool keep_poles = false; // poles stay vertices with two edges
 };
 
+// Refuses a foliation with a part that no leaf crosses and that is not a disk: it makes no quads there.
+[[nodiscard]] hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call);
+
 // position: of the vertices of f.mesh.  Cylinders of the same f.  front: of a double, only
 // what lies in front; NULL: the surface is closed.
 [[nodiscard]] hmf_status make_quads(Foliation& f, const Conjugate& conjugate, const double* position,

@@ -288,7 +288,7 @@ struct Row {
 };
 
 struct Tally {
-    size_t problems = 0, wrong = 0, errors = 0;
+    size_t problems = 0, missed = 0, wrong = 0, errors = 0; // missed: 1e-8, with one of the hierarchies or more
     Row all, by_stretch[6], by_kind[kinds], bad, flipped, decimated;
     struct Use {
         size_t made = 0, refused = 0;
@@ -438,6 +438,7 @@ void solve_problem(uint64_t seed, Tally& tally, Family family = Family::usual) {
             EXPECT_GE(shortest_crossing(level, p.loops, c, s.values), weight * (1 - 1e-9)) << "seed " << seed;
         }
     }
+    tally.missed += energies.size() < 3;
     for (const double energy : energies)
         if (std::abs(energy - energies[0]) > 1e-8 * energies[0]) {
             ++tally.wrong;
@@ -446,7 +447,7 @@ void solve_problem(uint64_t seed, Tally& tally, Family family = Family::usual) {
         }
 }
 
-// One in so many may miss 1e-8.
+// One problem in so many may miss 1e-8: if it is hard, it is so with every hierarchy.
 void run(size_t usual, Family family, size_t one_in = 200) {
     const size_t problems = number("HMF_CAMPAIGN_PROBLEMS", usual), seed = number("HMF_CAMPAIGN_SEED", 1);
     Tally tally;
@@ -472,8 +473,7 @@ void run(size_t usual, Family family, size_t one_in = 200) {
     EXPECT_EQ(tally.wrong, 0u);
     EXPECT_EQ(tally.errors, 0u);
     // In a small sample one may.
-    const size_t missed = tally.all.solves - tally.all.converged;
-    EXPECT_LE(missed, 1 + tally.all.solves / one_in);
+    EXPECT_LE(tally.missed, 1 + tally.problems / one_in);
 }
 
 } // namespace
