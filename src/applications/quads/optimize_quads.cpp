@@ -285,7 +285,8 @@ hmf_status QuadOptimizer::shape(int sweeps) {
     return HMF_OK;
 }
 
-// As it is counted (quad_figures.hpp): a quad that looks with the surface at all corners is not seen from behind.
+// As it is counted (quad_figures.hpp), but only a quad that looks against the surface at one of its corners is compared
+// with all of it.
 bool QuadOptimizer::find_folded(size_t q) const {
     const Around quad(quads_, static_cast<uint32_t>(q), quads_.quads[4 * q]);
     const Point n = quad.diagonals();

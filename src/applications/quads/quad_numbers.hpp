@@ -40,7 +40,6 @@ constexpr double SPREAD = 0.05; // part of even places in all places, that no tw
 
 // What is folded and what is refused (quad_shape.cpp, sized_quads.cpp).
 constexpr double LEEWAY = 0.02;        // in diagonals: on a sheet thinner than this a quad may lie on either side
-constexpr double NEAR_MIDDLE = 0.1;    // in diagonals: what lies all around the middle of a quad
 constexpr double MOST_INVERTED = 0.05; // of the quads
 constexpr double LEAST_AREA = 0.75;    // of the quads in that of the surface, or the other way around
 constexpr double MOST_TIMES = 8;       // as many quads as the fewest possible, where more are tried

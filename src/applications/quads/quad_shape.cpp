@@ -39,11 +39,7 @@ double least_sine(const Point* p, const Point& n) {
 }
 
 bool is_seen_from_behind(const SurfaceSearch& surface, const Point* p, const Point& n) {
-    const double diagonal = length_of(p[2] - p[0]), room = LEEWAY * diagonal;
-    const Point middle = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
-    if (!surface.is_behind(middle, n, room)) return false;
-    return surface.is_behind(middle, n, NEAR_MIDDLE * diagonal)
-        || std::any_of(p, p + 4, [&](const Point& corner) { return surface.is_behind(corner, n, room); });
+    return surface.is_behind(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), n, LEEWAY * length_of(p[2] - p[0]));
 }
 
 } // namespace

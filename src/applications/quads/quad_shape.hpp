@@ -25,8 +25,8 @@ private:
 };
 
 // The least sine of its corners, as seen along its normal (of the diagonals).  With `surface` it is at most 0 where the
-// quad is seen from behind: the surface looks the other way near its middle, and near a corner or around it.
-// Its middle lies off the surface where a quad is as wide as a limb, so that the nearest triangle alone says little.
+// quad is seen from behind: the surface near its middle looks the other way.  Where a quad is as wide as a limb its
+// middle lies off the surface, and more quads count than are folded over, but none fewer.
 double worst_corner(const QuadMesh& quads, size_t q, const SurfaceSearch* surface = nullptr);
 
 // The quads around each vertex.
