@@ -36,7 +36,8 @@ private:
     double unit_;
 };
 
-// A polyline with v along it, for points at given v.
+// A polyline with v along it, for points at given v.  v does not fall: where it would, in triangles that are turned
+// over in (u, v) and beside a zero on its way to a vertex, it stays until the line has caught up.
 struct Ruler {
     Array<double> v;
     Array<Point> points;
